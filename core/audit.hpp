@@ -1,0 +1,45 @@
+// What a run must account for: every clamp, floor and lost point, and the extremes that set the step.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "portable.hpp"
+
+namespace pockmark {
+
+enum class Counter {
+  left_points,           // through a free or transmitting face
+  lost_points,           // through a symmetry or fixed face: a numerical fault
+  failed_points,         // damage reached one
+  melted_points,         // failed because the temperature reached melting
+  failure_treatments,    // plastic steps in which the failure treatment changed the law
+  eos_caps,              // compression capped short of the pole of the Hugoniot
+  return_failures,       // radial return not converged
+  node_cutoffs,          // nodes lighter than the cut-off: force scaled down
+  strain_limited_steps,  // steps set by the strain increment, not by the fastest wave
+};
+inline constexpr std::array counter_names{
+    "left_points", "lost_points",        "failed_points",   "melted_points", "failure_treatments",
+    "eos_caps",    "return_failures", "node_cutoffs",  "strain_limited_steps"};
+
+// One a slab, added up in slab order, so that sums do not depend on the number of threads.
+struct Audit {
+  std::array<std::int64_t, counter_names.size()> counts{};
+  double wave_speed = 0;       // largest |v| + c of any point
+  double volumetric_rate = 0;  // largest |tr D|
+  double compression = 0;      // largest rho/rho0
+  double plastic_work = 0, viscous_work = 0;
+
+  PM_HD void count(Counter c) { ++counts[std::size_t(c)]; }
+  void absorb(const Audit& other) {
+    for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += other.counts[i];
+    wave_speed = std::max(wave_speed, other.wave_speed);
+    volumetric_rate = std::max(volumetric_rate, other.volumetric_rate);
+    compression = std::max(compression, other.compression);
+    plastic_work += other.plastic_work;
+    viscous_work += other.viscous_work;
+  }
+};
+
+}  // namespace pockmark

@@ -1,0 +1,348 @@
+// The Python extension: names and conversions only. Defaults live in Python.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/variant.h>
+#include <nanobind/stl/vector.h>
+
+#include <stdexcept>
+#include <variant>
+
+#include "bandwidth.hpp"
+#include "solver.hpp"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+using namespace pockmark;
+
+namespace {
+
+using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+
+// A material as Python writes it; converted to the solver's precision on the way in.
+struct MaterialSpec {
+  std::variant<MieGruneisen<double>, LinearEos<double>> eos;
+  std::variant<JohnsonCook<double>, Elastic<double>, Fluid<double>> strength;
+  std::variant<NoFailure<double>, JohnsonCookFailure<double>> failure;
+  double specific_heat, taylor_quinney, t_room, t_melt, q_quadratic, q_linear;
+
+  template <class T>
+  Material<T> as() const {
+    Material<T> m{};
+    std::visit([&]<template <class> class Model>(const Model<double>& e) { m.eos = Model<T>(e); }, eos);
+    std::visit([&]<template <class> class Model>(const Model<double>& s) { m.strength = Model<T>(s); }, strength);
+    std::visit([&]<template <class> class Model>(const Model<double>& f) { m.failure = Model<T>(f); }, failure);
+    m.specific_heat = T(specific_heat), m.taylor_quinney = T(taylor_quinney);
+    m.t_room = T(t_room), m.t_melt = T(t_melt);
+    m.q_quadratic = T(q_quadratic), m.q_linear = T(q_linear);
+    return m;
+  }
+};
+
+template <class Model>
+void require_valid(const Model& model, const char* what) {
+  const std::string fault = model.check();
+  if (!fault.empty()) throw std::invalid_argument(std::string(what) + ": " + fault);
+}
+
+template <class V>
+nb::object to_array(std::vector<V> values, std::size_t rows, std::size_t columns) {
+  auto* owned = new std::vector<V>(std::move(values));
+  nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<V>*>(p); });
+  const std::size_t shape[2] = {rows, columns};
+  return nb::cast(nb::ndarray<nb::numpy, V>(owned->data(), columns == 1 ? 1 : 2, shape, owner));
+}
+
+// Runs the stress update alone on rows of states: volume, energy, pressure, viscosity, plastic_strain,
+// temperature, damage, then the deviator; gradients: D (6), axial spin vector (3).
+struct StressProbe {
+  static nb::object run(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass, double cell,
+                        double dt) {
+    const auto material = spec.as<double>();
+    const StressUpdate<double> update{material, cell, dt, {true, true}};
+    const std::size_t n = states.size() / 13;
+    if (gradients.size() != 9 * n) throw std::invalid_argument("gradients: nine numbers a state are needed");
+    std::vector<double> out(14 * n);
+    Audit audit;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double* s = states.data() + 13 * i;
+      const double* g = gradients.data() + 9 * i;
+      PointState<double> point{s[0], s[1], s[2], s[3], s[4], s[5], s[6], {s[7], s[8], s[9], s[10], s[11], s[12]}};
+      const VelocityGradient<double> L{{g[0], g[1], g[2], g[3], g[4], g[5]}, {g[6], g[7], g[8]}};
+      const double c = update(point, L, mass, audit);
+      const auto& d = point.deviator;
+      const double row[14] = {point.volume, point.energy, point.pressure, point.viscosity, point.plastic_strain,
+                              point.temperature, point.damage, d.xx, d.yy, d.zz, d.xy, d.yz, d.zx, c};
+      std::copy(row, row + 14, out.begin() + 14 * i);
+    }
+    return to_array(std::move(out), n, 14);
+  }
+};
+
+const FieldInfo& field_named(const std::string& name) {
+  for (const auto& info : field_table)
+    if (name == info.name) return info;
+  throw std::invalid_argument("no field is named '" + name + "'");
+}
+
+template <class T>
+nb::object get_field(const Solver<T>& solver, const std::string& name) {
+  const auto& points = solver.points();
+  const std::size_t n = points.size();
+  if (name == "body") return to_array(points.body, n, 1);
+  if (name == "id") return to_array(points.id, n, 1);
+  const auto& info = field_named(name);
+  std::vector<double> out(n * info.components);
+  for (int c = 0; c < info.components; ++c)
+    for (std::size_t p = 0; p < n; ++p) out[p * info.components + c] = double(points.at(info.field, c)[p]);
+  return to_array(std::move(out), n, info.components);
+}
+
+template <class T>
+void set_field(Solver<T>& solver, const std::string& name, Doubles values) {
+  auto& points = solver.points();
+  const auto& info = field_named(name);
+  if (values.size() != points.size() * info.components) throw std::invalid_argument(name + ": wrong size");
+  for (int c = 0; c < info.components; ++c)
+    for (std::size_t p = 0; p < points.size(); ++p)
+      points.at(info.field, c)[p] = T(values.data()[p * info.components + c]);
+}
+
+template <class T>
+void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, Doubles position, Doubles velocity,
+                Doubles mass, Doubles volume, nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu> body) {
+  auto& points = solver.points();
+  const std::size_t old = points.size(), n = mass.size();
+  if (position.size() != 3 * n || velocity.size() != 3 * n || volume.size() != n || body.size() != n)
+    throw std::invalid_argument("add_points: arrays of different lengths");
+  if (old + n >= UINT32_MAX) throw std::invalid_argument("add_points: more than 4 billion points");
+  points.resize(old + n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t p = old + i;
+    if (body.data()[i] >= materials.size()) throw std::invalid_argument("add_points: a body without a material");
+    for (int a = 0; a < 3; ++a) {
+      points.at(Field::position, a)[p] = T(position.data()[3 * i + a]);
+      points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
+    }
+    points.at(Field::mass)[p] = T(mass.data()[i]);
+    points.at(Field::volume)[p] = T(volume.data()[i]);
+    points.at(Field::temperature)[p] = T(materials[body.data()[i]].t_room);
+    points.body[p] = body.data()[i];
+    points.id[p] = std::uint32_t(p);
+  }
+}
+
+template <class T>
+nb::dict get_ledger(const Solver<T>& solver) {
+  const auto l = solver.ledger();
+  const auto momentum = solver.momentum();
+  const auto& departed = solver.departed();
+  double mass = 0;
+  for (std::size_t p = 0; p < solver.points().size(); ++p) mass += double(solver.points().at(Field::mass)[p]);
+  nb::dict d;
+  d["time"] = solver.time();
+  d["kinetic"] = l.kinetic, d["internal"] = l.internal, d["absorbed"] = l.absorbed, d["left_energy"] = l.left;
+  d["pic"] = l.pic, d["viscous"] = l.viscous, d["plastic"] = l.plastic;
+  d["initial"] = l.initial, d["error"] = l.error();
+  d["momentum_x"] = momentum.x, d["momentum_y"] = momentum.y, d["momentum_z"] = momentum.z;
+  d["mass"] = mass, d["left_mass"] = departed.mass;
+  d["left_momentum_x"] = departed.momentum.x, d["left_momentum_y"] = departed.momentum.y;
+  d["left_momentum_z"] = departed.momentum.z;
+  return d;
+}
+
+template <class T>
+struct PySolver {
+  std::vector<MaterialSpec> materials;
+  Solver<T> solver;
+
+  PySolver(std::array<double, 3> lower, double cell, std::array<int, 3> cells, const std::vector<Face>& faces,
+           std::vector<MaterialSpec> specs, const Options& options, int threads)
+      : materials(std::move(specs)), solver(make(lower, cell, cells, faces, materials, options, threads)) {}
+
+  static Solver<T> make(std::array<double, 3> lower, double cell, std::array<int, 3> cells,
+                        const std::vector<Face>& faces, const std::vector<MaterialSpec>& specs,
+                        const Options& options, int threads) {
+    if (faces.size() != 6) throw std::invalid_argument("faces: six are needed");
+    GridGeometry<T> geometry{{T(lower[0]), T(lower[1]), T(lower[2])}, T(cell), cells};
+    if (geometry.node_count() >= UINT32_MAX) throw std::invalid_argument("cells: more than 4 billion nodes");
+    Faces six;
+    std::copy(faces.begin(), faces.end(), six.begin());
+    std::vector<Material<T>> materials;
+    for (const auto& s : specs) materials.push_back(s.as<T>());
+    return {geometry, six, std::move(materials), options, threads};
+  }
+};
+
+template <class T>
+void bind_solver(nb::module_& m, const char* name) {
+  using S = PySolver<T>;
+  nb::class_<S>(m, name)
+      .def(nb::init<std::array<double, 3>, double, std::array<int, 3>, const std::vector<Face>&,
+                    std::vector<MaterialSpec>, const Options&, int>(),
+           "lower"_a, "cell"_a, "cells"_a, "faces"_a, "materials"_a, "options"_a, "threads"_a)
+      .def(
+          "add_points",
+          [](S& s, Doubles x, Doubles v, Doubles m, Doubles vol,
+             nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu> body) {
+            add_points(s.solver, s.materials, x, v, m, vol, body);
+          },
+          "position"_a, "velocity"_a, "mass"_a, "volume"_a, "body"_a)
+      .def("initialize", [](S& s) { s.solver.initialize(); })
+      .def(
+          "advance", [](S& s, std::int64_t max_steps, double end) { return s.solver.advance(max_steps, end); },
+          "max_steps"_a, "end_time"_a, nb::call_guard<nb::gil_scoped_release>())
+      .def_prop_ro("time", [](const S& s) { return s.solver.time(); })
+      .def_prop_ro("dt", [](const S& s) { return s.solver.dt(); })
+      .def_prop_ro("cycle", [](const S& s) { return s.solver.cycle(); })
+      .def_prop_ro("points", [](const S& s) { return s.solver.points().size(); })
+      .def_prop_ro("cells",
+                   [](const S& s) {
+                     const auto& c = s.solver.grid().geometry.cells;
+                     return std::int64_t(c[0]) * c[1] * c[2];
+                   })
+      .def("field", [](const S& s, const std::string& name) { return get_field(s.solver, name); }, "name"_a)
+      .def("set_field", [](S& s, const std::string& name, Doubles v) { set_field(s.solver, name, v); }, "name"_a,
+           "values"_a)
+      .def("ledger", [](const S& s) { return get_ledger(s.solver); })
+      .def("counters",
+           [](const S& s) {
+             nb::dict d;
+             for (std::size_t i = 0; i < counter_names.size(); ++i) d[counter_names[i]] = s.solver.audit().counts[i];
+             return d;
+           })
+      .def("max_compression", [](const S& s) { return s.solver.audit().compression; })
+      .def("timers", [](const S& s) { return s.solver.timers().seconds(); })
+      .def("memory_bytes", [](const S& s) {
+        const std::size_t n = s.solver.points().size(), nodes = s.solver.grid().mass.size();
+        nb::dict d;
+        // Fields, body, id, cell; the sorter's scratch and permutation.
+        d["points"] = n * (component_count * sizeof(T) + 9 + sizeof(T) + 9);
+        d["grid"] = nodes * (sizeof(T) + 5 * sizeof(Vec3<T>) + 4);
+        return d;
+      });
+}
+
+}  // namespace
+
+NB_MODULE(_core, m) {
+  nb::enum_<Face>(m, "Face")
+      .value("free", Face::free)
+      .value("symmetry", Face::symmetry)
+      .value("fixed", Face::fixed)
+      .value("transmitting", Face::transmitting);
+  nb::enum_<Scheme>(m, "Scheme").value("usf", Scheme::usf).value("musl", Scheme::musl).value("usl", Scheme::usl);
+  nb::enum_<ShapeFunction>(m, "ShapeFunction")
+      .value("trilinear", ShapeFunction::trilinear)
+      .value("quadratic", ShapeFunction::quadratic);
+  nb::enum_<FailureTreatment>(m, "FailureTreatment")
+      .value("no_damage", FailureTreatment::no_damage)
+      .value("signed", FailureTreatment::signed_damage)
+      .value("floor", FailureTreatment::floor)
+      .value("clamp_triaxiality", FailureTreatment::clamp_triaxiality);
+
+  nb::class_<MieGruneisen<double>>(m, "MieGruneisen")
+      .def("__init__",
+           [](MieGruneisen<double>* self, double density, double c0, double s, double gamma0) {
+             new (self) MieGruneisen<double>(density, c0, s, gamma0);
+             require_valid(*self, "MieGruneisen");
+           },
+           "density"_a, "c0"_a, "s"_a, "gamma0"_a)
+      .def_ro("density", &MieGruneisen<double>::density)
+      .def_ro("c0", &MieGruneisen<double>::c0)
+      .def_ro("s", &MieGruneisen<double>::s)
+      .def_ro("gamma0", &MieGruneisen<double>::gamma0);
+  nb::class_<LinearEos<double>>(m, "LinearEos")
+      .def("__init__",
+           [](LinearEos<double>* self, double density, double bulk_modulus) {
+             new (self) LinearEos<double>(density, bulk_modulus);
+             require_valid(*self, "LinearEos");
+           },
+           "density"_a, "bulk_modulus"_a)
+      .def_ro("density", &LinearEos<double>::density)
+      .def_ro("bulk_modulus", &LinearEos<double>::bulk_modulus_);
+  nb::class_<Fluid<double>>(m, "Fluid").def(nb::init<>());
+  nb::class_<Elastic<double>>(m, "Elastic")
+      .def("__init__",
+           [](Elastic<double>* self, double g) {
+             new (self) Elastic<double>(g);
+             require_valid(*self, "Elastic");
+           },
+           "shear_modulus"_a)
+      .def_ro("shear_modulus", &Elastic<double>::shear_modulus);
+  nb::class_<JohnsonCook<double>>(m, "JohnsonCook")
+      .def("__init__",
+           [](JohnsonCook<double>* self, double g, double A, double B, double n, double C, double mm, double rate,
+              double t_room, double t_melt) {
+             new (self) JohnsonCook<double>(g, A, B, n, C, mm, rate, t_room, t_melt);
+             require_valid(*self, "JohnsonCook");
+           },
+           "shear_modulus"_a, "A"_a, "B"_a, "n"_a, "C"_a, "m"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a)
+      .def("flow_stress", &JohnsonCook<double>::flow_stress, "strain"_a, "rate"_a, "temperature"_a);
+  nb::class_<NoFailure<double>>(m, "NoFailure").def(nb::init<>());
+  nb::class_<JohnsonCookFailure<double>>(m, "JohnsonCookFailure")
+      .def("__init__",
+           [](JohnsonCookFailure<double>* self, double D1, double D2, double D3, double D4, double D5, double rate,
+              double t_room, double t_melt, double mm, FailureTreatment treatment, double floor, double low,
+              double high) {
+             (void)mm;
+             new (self) JohnsonCookFailure<double>(D1, D2, D3, D4, D5, rate, t_room, t_melt, treatment, floor, low,
+                                                   high);
+             require_valid(*self, "JohnsonCookFailure");
+           },
+           "D1"_a, "D2"_a, "D3"_a, "D4"_a, "D5"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a, "m"_a,
+           "treatment"_a, "floor"_a, "triaxiality_min"_a, "triaxiality_max"_a)
+      .def("failure_strain", &JohnsonCookFailure<double>::failure_strain, "triaxiality"_a, "rate"_a,
+           "temperature"_a);
+  nb::class_<MaterialSpec>(m, "Material")
+      .def(
+          "__init__",
+          [](MaterialSpec* self, decltype(MaterialSpec::eos) eos, decltype(MaterialSpec::strength) strength,
+             decltype(MaterialSpec::failure) failure, double specific_heat, double taylor_quinney, double t_room,
+             double t_melt, double q_quadratic, double q_linear) {
+            new (self) MaterialSpec{eos,    strength, failure,     specific_heat, taylor_quinney,
+                                    t_room, t_melt,   q_quadratic, q_linear};
+          },
+          "eos"_a, "strength"_a, "failure"_a, "specific_heat"_a, "taylor_quinney"_a, "t_room"_a, "t_melt"_a,
+          "q_quadratic"_a, "q_linear"_a);
+  nb::class_<Options>(m, "Options")
+      .def(
+          "__init__",
+          [](Options* self, Scheme scheme, ShapeFunction shape, bool compatible_energy, double cfl,
+             double strain_limit, double pic_fraction, double mass_cutoff) {
+            new (self)
+                Options{scheme, shape, compatible_energy, cfl, strain_limit, pic_fraction, mass_cutoff};
+          },
+          "scheme"_a, "shape"_a, "compatible_energy"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a,
+          "mass_cutoff"_a);
+
+  bind_solver<double>(m, "Solver");
+  bind_solver<float>(m, "SolverSingle");
+
+  m.def("fields", [] {
+    nb::list out;
+    for (const auto& info : field_table) {
+      nb::dict d;
+      d["name"] = info.name, d["components"] = info.components, d["unit"] = info.unit;
+      d["description"] = info.description;
+      out.append(d);
+    }
+    return out;
+  });
+  // One stress update of given states and velocity gradients: for tests against independent references.
+  m.def("update_stress", &StressProbe::run, "material"_a, "states"_a, "gradients"_a, "mass"_a, "cell"_a, "dt"_a);
+  m.def("build_info", [] {
+    nb::dict d;
+    d["compiler"] = __VERSION__;
+    d["flags"] = POCKMARK_FLAGS;
+#ifdef _OPENMP
+    d["openmp"] = true;
+#else
+    d["openmp"] = false;
+#endif
+    return d;
+  });
+  m.def("copy_bandwidth", &copy_bandwidth, "threads"_a, nb::call_guard<nb::gil_scoped_release>());
+}

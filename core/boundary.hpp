@@ -1,0 +1,96 @@
+// The six faces of the grid: fixed velocity components, mirror images, and transmitting tractions.
+#pragma once
+#include <array>
+
+#include "shape.hpp"
+#include "state.hpp"
+#include "transfer.hpp"
+
+namespace pockmark {
+
+enum class Face { free, symmetry, fixed, transmitting };
+using Faces = std::array<Face, 6>;  // x_lower, x_upper, y_lower, y_upper, z_lower, z_upper
+
+// Calls f(node on the face, node one inside, node one outside) over a face with its padding.
+template <class T, class F>
+void for_each_face_node(const GridGeometry<T>& grid, int face, F&& f) {
+  const int axis = face / 2, b = (axis + 1) % 3, c = (axis + 2) % 3;
+  const bool upper = face % 2 == 1;
+  const int plane = upper ? grid.pad + grid.cells[axis] : grid.pad, inward = upper ? -1 : 1;
+  for (int ib = 0; ib < grid.nodes(b); ++ib)
+    for (int ic = 0; ic < grid.nodes(c); ++ic) {
+      int ijk[3];
+      ijk[b] = ib, ijk[c] = ic;
+      const auto node = [&](int offset) {
+        ijk[axis] = plane + offset;
+        return grid.index(ijk[0], ijk[1], ijk[2]);
+      };
+      f(node(0), node(inward), node(-inward));
+    }
+}
+
+// A symmetry plane is a mirror: what stencils put on the nodes behind it belongs to their images.
+template <class T, class Value>
+void fold_scalar(const GridGeometry<T>& grid, const Faces& faces, Value* field) {
+  for (int face = 0; face < 6; ++face)
+    if (faces[face] == Face::symmetry)
+      for_each_face_node(grid, face, [&](auto, auto inside, auto outside) { field[inside] += field[outside]; });
+}
+
+template <class T>
+void fold_vector(const GridGeometry<T>& grid, const Faces& faces, Vec3<T>* field) {
+  for (int face = 0; face < 6; ++face)
+    if (faces[face] == Face::symmetry)
+      for_each_face_node(grid, face, [&](auto, auto inside, auto outside) {
+        auto image = field[outside];
+        image[face / 2] = -image[face / 2];
+        field[inside] += image;
+      });
+}
+
+// Fixed components of a nodal velocity, then the values behind the planes.
+template <class T>
+void constrain(const GridGeometry<T>& grid, const Faces& faces, Vec3<T>* velocity) {
+  for (int face = 0; face < 6; ++face)
+    for_each_face_node(grid, face, [&, axis = face / 2](auto on, auto inside, auto outside) {
+      if (faces[face] == Face::fixed) velocity[on] = velocity[outside] = {};
+      if (faces[face] != Face::symmetry) return;
+      velocity[on][axis] = T(0);
+      velocity[outside] = velocity[inside];
+      velocity[outside][axis] = -velocity[outside][axis];
+    });
+}
+
+// Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the
+// layer of cells behind the face stands for the area V/h; projected onto the face it shares it among the nodes
+// there, so edges get a half and corners a quarter without special cases.
+template <class Shape, class T>
+void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, const Run& run,
+                 const std::vector<Vec3<T>>& impedance) {
+  const auto& geometry = grid.geometry;
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    if (faces[face] != Face::transmitting) continue;
+    const int layer = face % 2 ? geometry.pad + geometry.cells[axis] - 1 : geometry.pad;
+    if (run.base[axis] < layer - 1 || run.base[axis] > layer) continue;  // no stencil of this run reaches the layer
+    for (std::size_t p = run.begin; p < run.end; ++p) {
+      const auto position = points.vector(Field::position, p);
+      if (int(std::floor(geometry.local(position[axis], axis))) != layer) continue;
+      T x[3] = {position.x, position.y, position.z};
+      x[axis] = face % 2 ? geometry.upper(axis) : geometry.lower[axis];
+      int base[3] = {run.base[0], run.base[1], run.base[2]};
+      // The linear stencil of the upper face ends on it; the base of its own would lie one cell outside.
+      base[axis] = Shape::support == 2 ? layer : Shape::base(geometry.local(x[axis], axis));
+      const Stencil<Shape, T> n(geometry, x, base);
+      const T area = points.at(Field::volume)[p] / geometry.cell;
+      const auto& z = impedance[points.body[p]];  // rho c_d, rho c_s
+      const Vec3<T> per_direction{axis == 0 ? z.x : z.y, axis == 1 ? z.x : z.y, axis == 2 ? z.x : z.y};
+      Patch<Shape, T>::for_each([&](int i, int j, int k) {
+        grid.damping[geometry.index(base[0] + i, base[1] + j, base[2] + k)] +=
+            (n.weight(i, j, k) * area) * per_direction;
+      });
+    }
+  }
+}
+
+}  // namespace pockmark

@@ -1,0 +1,155 @@
+// The stress update of one material point: equation of state, radial return, damage, heat, bulk viscosity.
+#pragma once
+#include <algorithm>
+#include <cmath>
+
+#include "audit.hpp"
+#include "damage/johnson_cook_failure.hpp"
+#include "eos/linear.hpp"
+#include "eos/mie_gruneisen.hpp"
+#include "one_of.hpp"
+#include "state.hpp"
+#include "strength/johnson_cook.hpp"
+#include "strength/simple.hpp"
+
+namespace pockmark {
+
+// The closed lists. A new model: its file, and its name here.
+template <class T>
+using Eos = OneOf<MieGruneisen<T>, LinearEos<T>>;
+template <class T>
+using Strength = OneOf<JohnsonCook<T>, Elastic<T>, Fluid<T>>;
+template <class T>
+using Failure = OneOf<NoFailure<T>, JohnsonCookFailure<T>>;
+
+template <class T>
+struct Material {
+  Eos<T> eos;
+  Strength<T> strength;
+  Failure<T> failure;
+  T specific_heat, taylor_quinney, t_room, t_melt;
+  T q_quadratic, q_linear;
+
+  PM_HD T density() const {
+    return eos.visit([](const auto& e) { return e.density; });
+  }
+  PM_HD T shear_modulus() const {
+    return strength.visit([](const auto& s) -> T { return s.shear_modulus; });
+  }
+  PM_HD T bulk_modulus() const {
+    return eos.visit([](const auto& e) { return e.bulk_modulus(); });
+  }
+  PM_HD T dilatational_speed() const {
+    return std::sqrt((bulk_modulus() + T(4) / T(3) * shear_modulus()) / density());
+  }
+  PM_HD T shear_speed() const { return std::sqrt(shear_modulus() / density()); }
+};
+
+// Which halves of the stress power of a step the update itself pays into the internal energy.
+struct WorkShare {
+  bool old_stress;  // 1/2 sigma_old : D dt
+  bool new_stress;  // 1/2 sigma_new : D dt
+};
+
+// Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0.
+template <class T>
+PM_HD T stress_power(const PointState<T>& point, const Sym3<T>& rate, T reference_volume) {
+  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) * point.volume /
+         reference_volume;
+}
+
+template <class T>
+struct StressUpdate {
+  const Material<T>& material;
+  T cell, dt;
+  WorkShare share;
+
+  // Advances the point by dt under the velocity gradient `L`. Returns its sound speed (m/s).
+  PM_HD T operator()(PointState<T>& point, const VelocityGradient<T>& L, T mass, Audit& audit) const {
+    const T reference_volume = mass / material.density();
+    if (share.old_stress) point.energy += T(0.5) * dt * stress_power(point, L.strain_rate, reference_volume);
+
+    const T rate = trace(L.strain_rate), strain = rate * dt;
+    point.volume *= (T(1) + strain / 2) / (T(1) - strain / 2);
+    audit.volumetric_rate = std::max(audit.volumetric_rate, double(std::abs(rate)));
+
+    const T plastic = update_deviator(point, L, audit);
+    const T c = update_pressure(point, L.strain_rate, reference_volume, audit);
+    update_damage(point, plastic, reference_volume, audit);
+    return c;
+  }
+
+ private:
+  PM_HD T update_deviator(PointState<T>& point, const VelocityGradient<T>& L, Audit& audit) const {
+    if (point.damage >= T(1)) {
+      point.deviator = {};
+      return T(0);
+    }
+    const T g = material.shear_modulus();
+    point.deviator = rotate(point.deviator, dt * L.spin) + (T(2) * g * dt) * deviator(L.strain_rate);
+    const T trial = effective(point.deviator);
+    const auto back = material.strength.visit(
+        [&](const auto& s) { return s.return_map(trial, point.plastic_strain, point.temperature, dt); });
+    if (!back.converged) audit.count(Counter::return_failures);
+    const T increment = back.strain_increment;
+    if (increment <= T(0)) return T(0);
+    const T flow = trial - T(3) * g * increment;
+    point.deviator = (flow / trial) * point.deviator;
+    point.plastic_strain += increment;
+    const T work = flow * increment;  // per current volume
+    audit.plastic_work += double(work * point.volume);
+    return increment;
+  }
+
+  PM_HD T update_pressure(PointState<T>& point, const Sym3<T>& strain_rate, T reference_volume,
+                          Audit& audit) const {
+    const T ratio = point.volume / reference_volume;  // V/V0
+    const T mu = T(1) / ratio - T(1);
+    const T density = material.density();
+    const T rate = trace(strain_rate), strain = rate * dt;
+    const auto isochore = material.eos.visit([&](const auto& e) { return e.at(mu); });
+    if (isochore.capped) audit.count(Counter::eos_caps);
+    audit.compression = std::max(audit.compression, double(T(1) / ratio));
+
+    T bulk_c2 = isochore.sound_speed_squared(point.pressure, point.energy, mu, density);
+    bulk_c2 = std::max(bulk_c2, T(0));
+    point.viscosity = T(0);
+    if (rate < T(0))
+      point.viscosity = density / ratio * cell * -rate *
+                        (material.q_quadratic * cell * -rate + material.q_linear * std::sqrt(bulk_c2));
+
+    // E1 = E + (s:D' - (p1+q) tr D) V/V0 dt/2 with p1 = cold + thermal E1, solved together.
+    const T half = T(0.5) * ratio;
+    const T known = point.energy + half * (dt * double_dot(point.deviator, strain_rate) - point.viscosity * strain);
+    T p = (isochore.cold + isochore.thermal * known) / (T(1) + isochore.thermal * half * strain);
+    if (point.damage >= T(1)) p = std::max(p, T(0));
+    point.pressure = p;
+    if (share.new_stress) point.energy = known - half * p * strain;
+    audit.viscous_work -= double(point.viscosity * strain * point.volume);
+
+    const T shear = point.damage >= T(1) ? T(0) : T(4) / T(3) * material.shear_modulus() * ratio / density;
+    return std::sqrt(bulk_c2 + shear);
+  }
+
+  PM_HD void update_damage(PointState<T>& point, T plastic, T reference_volume, Audit& audit) const {
+    if (point.damage >= T(1) || plastic <= T(0)) return;
+    const T flow = effective(point.deviator);
+    const auto damage = material.failure.visit(
+        [&](const auto& f) { return f.step(plastic, -point.pressure, flow, plastic / dt, point.temperature); });
+    point.damage = std::max(point.damage + damage.increment, T(0));
+    if (damage.treated) audit.count(Counter::failure_treatments);
+
+    // Plastic work to heat: dT = chi sigma d eps / (rho C_p).
+    const T work = flow * plastic * point.volume / reference_volume;
+    point.temperature += material.taylor_quinney * work / (material.density() * material.specific_heat);
+    const bool melted = damage.may_fail && point.temperature >= material.t_melt;
+    if (melted) audit.count(Counter::melted_points);
+    if (melted) point.damage = std::max(point.damage, T(1));
+    if (point.damage < T(1)) return;
+    audit.count(Counter::failed_points);
+    point.deviator = {};
+    point.pressure = std::max(point.pressure, T(0));
+  }
+};
+
+}  // namespace pockmark

@@ -1,0 +1,68 @@
+// How the CPU walks the points: slabs of grid planes, runs of points that share a stencil, threads.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "../transfer.hpp"
+
+namespace pockmark::cpu {
+
+// Planes a slab. A slab writes at most support-1 planes into the next one, so slabs of one colour (even, odd)
+// never write to the same node: no atomics, and sums do not depend on the number of threads.
+inline constexpr int slab_width = 4;
+
+class Slabs {
+ public:
+  // Points must be sorted by cell.
+  template <class T>
+  void locate(const Particles<T>& points, const GridGeometry<T>& grid) {
+    plane_ = grid.index(1, 0, 0);
+    row_ = grid.index(0, 1, 0);
+    const int count = (grid.nodes(0) + slab_width - 1) / slab_width;
+    begin_.resize(count + 1);
+    for (int s = 0; s <= count; ++s) {
+      const std::uint64_t first_node = std::uint64_t(s) * slab_width * plane_;
+      begin_[s] = std::lower_bound(points.cell.begin(), points.cell.end(), first_node) - points.cell.begin();
+    }
+  }
+  int count() const { return int(begin_.size()) - 1; }
+
+  // f(slab, run) for each run; slabs in parallel. `F` may write to the points of the run only.
+  template <class T, class F>
+  void gather(const Particles<T>& points, int threads, F&& f) const {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int s = 0; s < count(); ++s) runs(points, s, f);
+  }
+  // As gather, but `F` may add to the nodes under the run.
+  template <class T, class F>
+  void scatter(const Particles<T>& points, int threads, F&& f) const {
+    for (int colour = 0; colour < 2; ++colour) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+      for (int s = colour; s < count(); s += 2) runs(points, s, f);
+    }
+  }
+  // f(slab, begin, end) over the points of each slab.
+  template <class F>
+  void points(int threads, F&& f) const {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int s = 0; s < count(); ++s) f(s, begin_[s], begin_[s + 1]);
+  }
+
+ private:
+  template <class T, class F>
+  void runs(const Particles<T>& points, int slab, F&& f) const {
+    for (std::size_t begin = begin_[slab]; begin < begin_[slab + 1];) {
+      const std::uint32_t cell = points.cell[begin];
+      std::size_t end = begin + 1;
+      while (end < begin_[slab + 1] && points.cell[end] == cell) ++end;
+      f(slab, Run{begin, end, {int(cell / plane_), int(cell % plane_ / row_), int(cell % row_)}});
+      begin = end;
+    }
+  }
+
+  std::size_t plane_ = 1, row_ = 1;
+  std::vector<std::size_t> begin_;
+};
+
+}  // namespace pockmark::cpu

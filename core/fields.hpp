@@ -1,0 +1,50 @@
+// The one table of material-point fields: allocation, sorting, output and checkpoints all read it.
+#pragma once
+#include <array>
+
+namespace pockmark {
+
+enum class Field {
+  position, velocity, mass, volume, energy, deviator, pressure, viscosity, plastic_strain, temperature, damage
+};
+
+struct FieldInfo {
+  Field field;
+  const char* name;
+  int components;
+  const char* unit;
+  const char* description;
+};
+
+inline constexpr std::array field_table{
+    FieldInfo{Field::position, "position", 3, "m", "position x, y, z"},
+    FieldInfo{Field::velocity, "velocity", 3, "m/s", "velocity x, y, z"},
+    FieldInfo{Field::mass, "mass", 1, "kg", "mass"},
+    FieldInfo{Field::volume, "volume", 1, "m^3", "current volume"},
+    FieldInfo{Field::energy, "energy", 1, "J/m^3", "internal energy per initial volume"},
+    FieldInfo{Field::deviator, "deviator", 6, "Pa", "deviatoric stress xx, yy, zz, xy, yz, zx"},
+    FieldInfo{Field::pressure, "pressure", 1, "Pa", "pressure of the equation of state, positive in compression"},
+    FieldInfo{Field::viscosity, "viscosity", 1, "Pa", "bulk viscosity q, added to the pressure"},
+    FieldInfo{Field::plastic_strain, "plastic_strain", 1, "1", "effective plastic strain"},
+    FieldInfo{Field::temperature, "temperature", 1, "K", "temperature"},
+    FieldInfo{Field::damage, "damage", 1, "1", "damage D; at 1 and above the point has failed"},
+};
+
+// Index of a field's first component among all components.
+constexpr int first_component(Field field) {
+  int offset = 0;
+  for (const auto& info : field_table) {
+    if (info.field == field) return offset;
+    offset += info.components;
+  }
+  return offset;
+}
+
+constexpr int count_components() {
+  int count = 0;
+  for (const auto& info : field_table) count += info.components;
+  return count;
+}
+inline constexpr int component_count = count_components();
+
+}  // namespace pockmark

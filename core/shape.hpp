@@ -1,0 +1,51 @@
+// Shape functions of one axis: which nodes a point touches, their weights and slopes (per cell).
+#pragma once
+#include <cmath>
+
+#include "portable.hpp"
+
+namespace pockmark {
+
+// Trilinear finite-element functions, the paper's (its Eq. 5).
+template <class T>
+struct Linear {
+  static constexpr int support = 2;
+  PM_HD static int base(T xi) { return int(std::floor(xi)); }
+  PM_HD static void weights(T xi, int base, T* w, T* slope) {
+    const T f = xi - T(base);
+    w[0] = T(1) - f, w[1] = f;
+    slope[0] = T(-1), slope[1] = T(1);
+  }
+};
+
+// Quadratic B-splines (Steffen, Kirby and Berzins 2008): a continuous gradient at cell faces.
+template <class T>
+struct Quadratic {
+  static constexpr int support = 3;
+  PM_HD static int base(T xi) { return int(std::floor(xi - T(0.5))); }
+  PM_HD static void weights(T xi, int base, T* w, T* slope) {
+    const T f = xi - T(base);
+    const T a = T(1.5) - f, b = f - T(1), c = f - T(0.5);
+    w[0] = T(0.5) * a * a, w[1] = T(0.75) - b * b, w[2] = T(0.5) * c * c;
+    slope[0] = -a, slope[1] = T(-2) * b, slope[2] = c;
+  }
+};
+
+// The tensor product at one point. Slopes are per metre.
+template <class Shape, class T>
+struct Stencil {
+  static constexpr int S = Shape::support;
+  T w[3][S], g[3][S];
+
+  template <class Geometry>
+  PM_HD Stencil(const Geometry& grid, const T (&x)[3], const int (&base)[3]) {
+    const T inverse = T(1) / grid.cell;
+    for (int a = 0; a < 3; ++a) {
+      Shape::weights(grid.local(x[a], a), base[a], w[a], g[a]);
+      for (int i = 0; i < S; ++i) g[a][i] *= inverse;
+    }
+  }
+  PM_HD T weight(int i, int j, int k) const { return w[0][i] * w[1][j] * w[2][k]; }
+};
+
+}  // namespace pockmark

@@ -1,0 +1,359 @@
+// The explicit material point method: the step reads as the seven steps of Liu et al. 2015, Section 2.
+#pragma once
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "boundary.hpp"
+#include "constitutive.hpp"
+#include "cpu/slabs.hpp"
+#include "cpu/sort.hpp"
+#include "grid_update.hpp"
+#include "timers.hpp"
+#include "transfer.hpp"
+
+namespace pockmark {
+
+enum class Scheme { usf, musl, usl };
+enum class ShapeFunction { trilinear, quadratic };
+
+struct Options {
+  Scheme scheme;
+  ShapeFunction shape;
+  bool compatible_energy;  // pay the points exactly the work that the nodes did on them
+  double cfl;              // dt <= cfl h / (|v| + c)
+  double strain_limit;     // dt <= strain_limit / |tr D|
+  double pic_fraction;
+  double mass_cutoff;  // in units of the lightest rho0 h^3
+};
+
+// Where the energy is (J).
+struct Ledger {
+  double kinetic = 0, internal = 0;
+  double absorbed = 0;            // by transmitting faces
+  double left = 0;                // carried out by points that left, kinetic and internal
+  double pic = 0;                 // taken from the points' velocities by the PIC share
+  double viscous = 0, plastic = 0;  // parts of the internal energy's history, for information
+  double initial = 0;
+  double error() const { return kinetic + internal + absorbed + left + pic - initial; }
+};
+
+struct Departed {
+  double mass = 0;
+  Vec3<double> momentum{};
+};
+
+template <class T>
+class Solver {
+ public:
+  Solver(const GridGeometry<T>& geometry, const Faces& faces, std::vector<Material<T>> materials,
+         const Options& options, int threads)
+      : faces_(faces), materials_(std::move(materials)), options_(options), threads_(threads) {
+    grid_.allocate(geometry);
+    T lightest = std::numeric_limits<T>::max();
+    for (const auto& m : materials_) {
+      impedance_.push_back({m.density() * m.dilatational_speed(), m.density() * m.shear_speed(), T(0)});
+      lightest = std::min(lightest, m.density());
+    }
+    const T h = geometry.cell;
+    cutoff_ = T(options.mass_cutoff) * lightest * h * h * h;
+  }
+
+  Particles<T>& points() { return points_; }
+  const Particles<T>& points() const { return points_; }
+  const Grid<T>& grid() const { return grid_; }
+  const Audit& audit() const { return audit_; }
+  const Timers& timers() const { return timers_; }
+  const Departed& departed() const { return departed_; }
+  double time() const { return time_; }
+  double dt() const { return dt_; }
+  std::int64_t cycle() const { return cycle_; }
+
+  void initialize() {
+    with_shape([&](auto shape) { sort<decltype(shape)>(); });
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      const auto& m = materials_[points_.body[p]];
+      const auto v = points_.vector(Field::velocity, p);
+      extremes_.wave_speed = std::max(extremes_.wave_speed, double(m.dilatational_speed() + std::sqrt(dot(v, v))));
+    }
+    const auto now = energies();
+    initial_ = now.kinetic + now.internal;
+  }
+
+  std::int64_t advance(std::int64_t max_steps, double end_time) {
+    const std::int64_t start = cycle_;
+    with_shape([&](auto shape) {
+      while (cycle_ - start < max_steps && time_ < end_time) {
+        choose_step(end_time);
+        step<decltype(shape)>();
+      }
+    });
+    return cycle_ - start;
+  }
+
+  Ledger ledger() const {
+    Ledger l = energies();
+    l.absorbed = absorbed_, l.left = left_energy_, l.pic = pic_energy_;
+    l.viscous = audit_.viscous_work, l.plastic = audit_.plastic_work;
+    l.initial = initial_;
+    return l;
+  }
+
+  Vec3<double> momentum() const {
+    Vec3<double> sum;
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      const auto v = points_.vector(Field::velocity, p);
+      const double m = points_.at(Field::mass)[p];
+      sum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
+    }
+    return sum;
+  }
+
+ private:
+  template <class F>
+  void with_shape(F&& f) {
+    options_.shape == ShapeFunction::trilinear ? f(Linear<T>{}) : f(Quadratic<T>{});
+  }
+
+  // The seven steps. `before` is the nodal velocity at k-1/2, `after` at k+1/2.
+  template <class Shape>
+  void step() {
+    const bool compatible = options_.compatible_energy;
+    timers_.time("clear", [&] { clear(); });
+    timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                   // (1)
+    timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before.data()); });  // (2)
+    if (options_.scheme == Scheme::usf)
+      timers_.time("stress", [&] { update_stress<Shape>(grid_.before, {!compatible, true}); });  // (3)
+    else if (compatible)
+      timers_.time("work", [&] { pay_work<Shape>(grid_.before); });
+    timers_.time("forces", [&] { map_forces<Shape>(); });    // (4)
+    timers_.time("momentum", [&] { integrate_momentum(); });  // (5)
+    timers_.time("g2p", [&] { map_to_points<Shape>(); });     // (6)
+    if (options_.scheme == Scheme::musl || (options_.scheme == Scheme::usf && compatible))
+      timers_.time("remap", [&] { remap<Shape>(); });
+    if (options_.scheme == Scheme::musl)
+      timers_.time("stress", [&] { update_stress<Shape>(grid_.remapped, {true, !compatible}); });
+    else if (options_.scheme == Scheme::usl)
+      timers_.time("stress", [&] { update_stress<Shape>(grid_.after, {true, !compatible}); });
+    else if (compatible)
+      timers_.time("work", [&] { pay_work<Shape>(grid_.remapped); });
+    timers_.time("move", [&] { move<Shape>(); });
+    timers_.time("sort", [&] { sort<Shape>(); });
+    time_ += dt_;  // (7)
+    ++cycle_;
+  }
+
+  void choose_step(double end_time) {
+    const double h = grid_.geometry.cell;
+    dt_ = options_.cfl * h / extremes_.wave_speed;
+    if (extremes_.volumetric_rate * dt_ > options_.strain_limit) {
+      dt_ = options_.strain_limit / extremes_.volumetric_rate;
+      audit_.count(Counter::strain_limited_steps);
+    }
+    if (!(dt_ > 0) || !std::isfinite(dt_)) throw std::runtime_error("the time step is no longer a number");
+    dt_ = std::min(dt_, end_time - time_);
+  }
+
+  void clear() {
+    const std::int64_t n = std::int64_t(grid_.mass.size());
+#pragma omp parallel for schedule(static) num_threads(threads_)
+    for (std::int64_t i = 0; i < n; ++i) {
+      grid_.mass[i] = T(0);
+      grid_.before[i] = grid_.force[i] = grid_.damping[i] = grid_.remapped[i] = {};
+    }
+  }
+
+  template <class Shape>
+  void map_to_grid() {
+    slabs_.scatter(points_, threads_, [&](int, const Run& run) {
+      add_mass_momentum<Shape>(points_, grid_, run);
+      add_damping<Shape>(points_, grid_, faces_, run, impedance_);
+    });
+    fold_scalar(grid_.geometry, faces_, grid_.mass.data());
+    fold_vector(grid_.geometry, faces_, grid_.before.data());
+    fold_scalar(grid_.geometry, faces_, grid_.damping.data());
+    momentum_to_velocity(grid_.before);
+  }
+
+  void momentum_to_velocity(std::vector<Vec3<T>>& field) {
+    const std::int64_t n = std::int64_t(field.size());
+#pragma omp parallel for schedule(static) num_threads(threads_)
+    for (std::int64_t i = 0; i < n; ++i)
+      field[i] = grid_.mass[i] > T(0) ? (T(1) / grid_.mass[i]) * field[i] : Vec3<T>{};
+  }
+
+  template <class Shape>
+  void update_stress(const std::vector<Vec3<T>>& velocity, WorkShare share) {
+    std::vector<Audit> audits(slabs_.count());
+    slabs_.gather(points_, threads_, [&](int slab, const Run& run) {
+      Patch<Shape, Vec3<T>> patch;
+      patch.load(grid_.geometry, run.base, velocity.data());
+      for (std::size_t p = run.begin; p < run.end; ++p) {
+        const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
+        auto point = points_.load(p);
+        const StressUpdate<T> update{materials_[points_.body[p]], grid_.geometry.cell, T(dt_), share};
+        const T c = update(point, gradient<Shape>(n, patch), points_.at(Field::mass)[p], audits[slab]);
+        points_.store(p, point);
+        const auto v = points_.vector(Field::velocity, p);
+        audits[slab].wave_speed = std::max(audits[slab].wave_speed, double(c + std::sqrt(dot(v, v))));
+      }
+    });
+    extremes_ = {};
+    for (const auto& a : audits) extremes_.absorb(a);
+    audit_.absorb(extremes_);
+  }
+
+  // The half of the stress power that the update did not pay, on the stencils on which the forces acted.
+  template <class Shape>
+  void pay_work(const std::vector<Vec3<T>>& velocity) {
+    slabs_.gather(points_, threads_, [&](int, const Run& run) {
+      Patch<Shape, Vec3<T>> patch;
+      patch.load(grid_.geometry, run.base, velocity.data());
+      for (std::size_t p = run.begin; p < run.end; ++p) {
+        const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
+        const auto point = points_.load(p);
+        const T reference_volume = points_.at(Field::mass)[p] / materials_[points_.body[p]].density();
+        points_.at(Field::energy)[p] +=
+            T(0.5 * dt_) * stress_power(point, gradient<Shape>(n, patch).strain_rate, reference_volume);
+      }
+    });
+  }
+
+  template <class Shape>
+  void map_forces() {
+    slabs_.scatter(points_, threads_, [&](int, const Run& run) { add_internal_force<Shape>(points_, grid_, run); });
+    fold_vector(grid_.geometry, faces_, grid_.force.data());
+  }
+
+  void integrate_momentum() {
+    const auto& g = grid_.geometry;
+    std::vector<double> absorbed(g.nodes(0));
+    std::vector<std::int64_t> cut(g.nodes(0));
+    const std::int64_t plane = std::int64_t(g.index(1, 0, 0));
+#pragma omp parallel for schedule(static) num_threads(threads_)
+    for (int i = 0; i < g.nodes(0); ++i)
+      for (std::int64_t node = i * plane; node < (i + 1) * plane; ++node) {
+        grid_.after[node] = {};
+        if (!(grid_.mass[node] > T(0))) continue;
+        const auto step = integrate_node(grid_.mass[node], grid_.before[node], grid_.force[node],
+                                         grid_.damping[node], T(dt_), cutoff_);
+        grid_.after[node] = step.velocity;
+        absorbed[i] += double(step.absorbed);
+        cut[i] += step.cut;
+      }
+    for (int i = 0; i < g.nodes(0); ++i) {
+      absorbed_ += absorbed[i];
+      audit_.counts[std::size_t(Counter::node_cutoffs)] += cut[i];
+    }
+    constrain(g, faces_, grid_.after.data());
+  }
+
+  template <class Shape>
+  void map_to_points() {
+    std::vector<double> taken(slabs_.count());
+    slabs_.gather(points_, threads_, [&](int slab, const Run& run) {
+      taken[slab] += update_velocities<Shape>(points_, grid_, run, T(options_.pic_fraction));
+    });
+    for (double t : taken) pic_energy_ += t;
+  }
+
+  template <class Shape>
+  void remap() {
+    slabs_.scatter(points_, threads_, [&](int, const Run& run) {
+      add_momentum<Shape>(points_, grid_.geometry, run, grid_.remapped.data());
+    });
+    fold_vector(grid_.geometry, faces_, grid_.remapped.data());
+    momentum_to_velocity(grid_.remapped);
+    constrain(grid_.geometry, faces_, grid_.remapped.data());
+  }
+
+  template <class Shape>
+  void move() {
+    slabs_.gather(points_, threads_, [&](int, const Run& run) { move_points<Shape>(points_, grid_, run, T(dt_)); });
+  }
+
+  template <class Shape>
+  void sort() {
+    const std::int64_t n = std::int64_t(points_.size());
+    bool any_outside = false;
+#pragma omp parallel for schedule(static) num_threads(threads_) reduction(|| : any_outside)
+    for (std::int64_t p = 0; p < n; ++p) {
+      const auto x = points_.vector(Field::position, p);
+      const bool inside = face_crossed(x) < 0;
+      points_.cell[p] = inside ? std::uint32_t(base_node<Shape>(x)) : cpu::gone;
+      any_outside = any_outside || !inside;
+    }
+    if (any_outside) account_for_departed();
+    sorter_(points_, grid_.geometry.node_count(), threads_);
+    slabs_.locate(points_, grid_.geometry);
+  }
+
+  template <class Shape>
+  std::size_t base_node(const Vec3<T>& x) const {
+    const auto& g = grid_.geometry;
+    return g.index(Shape::base(g.local(x.x, 0)), Shape::base(g.local(x.y, 1)), Shape::base(g.local(x.z, 2)));
+  }
+
+  // The face behind which a point lies, or -1. Not-a-number counts as outside.
+  int face_crossed(const Vec3<T>& x) const {
+    const auto& g = grid_.geometry;
+    for (int a = 0; a < 3; ++a) {
+      if (!(x[a] >= g.lower[a])) return 2 * a;
+      if (!(x[a] < g.upper(a))) return 2 * a + 1;
+    }
+    return -1;
+  }
+
+  void account_for_departed() {
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      if (points_.cell[p] != cpu::gone) continue;
+      const auto v = points_.vector(Field::velocity, p);
+      const double m = points_.at(Field::mass)[p];
+      if (!std::isfinite(dot(v, v))) throw std::runtime_error("a point's velocity is no longer a number");
+      departed_.mass += m;
+      departed_.momentum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
+      left_energy_ += 0.5 * m * double(dot(v, v)) + internal_energy(p);
+      const Face face = faces_[face_crossed(points_.vector(Field::position, p))];
+      const bool expected = face == Face::free || face == Face::transmitting;
+      audit_.count(expected ? Counter::left_points : Counter::lost_points);
+    }
+  }
+
+  double internal_energy(std::size_t p) const {
+    return double(points_.at(Field::energy)[p]) * points_.at(Field::mass)[p] / materials_[points_.body[p]].density();
+  }
+
+  Ledger energies() const {
+    std::vector<Ledger> parts(slabs_.count());
+    slabs_.points(threads_, [&](int slab, std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        const auto v = points_.vector(Field::velocity, p);
+        parts[slab].kinetic += 0.5 * double(points_.at(Field::mass)[p]) * double(dot(v, v));
+        parts[slab].internal += internal_energy(p);
+      }
+    });
+    Ledger sum;
+    for (const auto& part : parts) sum.kinetic += part.kinetic, sum.internal += part.internal;
+    return sum;
+  }
+
+  Faces faces_;
+  std::vector<Material<T>> materials_;
+  std::vector<Vec3<T>> impedance_;  // rho c_d, rho c_s of each body
+  Options options_;
+  int threads_;
+  T cutoff_;  // kg
+  Particles<T> points_;
+  Grid<T> grid_;
+  cpu::Slabs slabs_;
+  cpu::Sorter<T> sorter_;
+  Timers timers_;
+  Audit audit_;     // of the whole run
+  Audit extremes_;  // of the last stress update
+  Departed departed_;
+  double time_ = 0, dt_ = 0;
+  std::int64_t cycle_ = 0;
+  double initial_ = 0, absorbed_ = 0, left_energy_ = 0, pic_energy_ = 0;
+};
+
+}  // namespace pockmark

@@ -1,0 +1,32 @@
+// Strength models without a yield surface: a linear elastic solid and a fluid.
+#pragma once
+#include <string>
+
+#include "johnson_cook.hpp"
+
+namespace pockmark {
+
+template <class T>
+struct Elastic {
+  T shear_modulus;
+
+  Elastic() = default;
+  explicit Elastic(T g) : shear_modulus(g) {}
+  template <class U>
+  explicit Elastic(const Elastic<U>& o) : shear_modulus(T(o.shear_modulus)) {}
+  std::string check() const { return shear_modulus >= 0 ? "" : "shear_modulus must be >= 0"; }
+  PM_HD PlasticReturn<T> return_map(T, T, T, T) const { return {}; }
+};
+
+template <class T>
+struct Fluid {
+  static constexpr T shear_modulus = T(0);
+
+  Fluid() = default;
+  template <class U>
+  explicit Fluid(const Fluid<U>&) {}
+  std::string check() const { return ""; }
+  PM_HD PlasticReturn<T> return_map(T, T, T, T) const { return {}; }
+};
+
+}  // namespace pockmark

@@ -1,0 +1,97 @@
+// Vectors and symmetric tensors of three dimensions.
+#pragma once
+#include <cmath>
+
+#include "portable.hpp"
+
+namespace pockmark {
+
+template <class T>
+struct Vec3 {
+  T x{}, y{}, z{};
+
+  PM_HD T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  PM_HD T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  PM_HD Vec3& operator+=(const Vec3& b) {
+    x += b.x, y += b.y, z += b.z;
+    return *this;
+  }
+};
+
+template <class T>
+PM_HD Vec3<T> operator+(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+template <class T>
+PM_HD Vec3<T> operator-(const Vec3<T>& a, const Vec3<T>& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+template <class T>
+PM_HD Vec3<T> operator*(T s, const Vec3<T>& a) {
+  return {s * a.x, s * a.y, s * a.z};
+}
+template <class T>
+PM_HD T dot(const Vec3<T>& a, const Vec3<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// Components in the order xx, yy, zz, xy, yz, zx, everywhere.
+template <class T>
+struct Sym3 {
+  T xx{}, yy{}, zz{}, xy{}, yz{}, zx{};
+};
+
+template <class T>
+PM_HD Sym3<T> operator+(const Sym3<T>& a, const Sym3<T>& b) {
+  return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.yz + b.yz, a.zx + b.zx};
+}
+template <class T>
+PM_HD Sym3<T> operator*(T f, const Sym3<T>& a) {
+  return {f * a.xx, f * a.yy, f * a.zz, f * a.xy, f * a.yz, f * a.zx};
+}
+template <class T>
+PM_HD T trace(const Sym3<T>& a) {
+  return a.xx + a.yy + a.zz;
+}
+template <class T>
+PM_HD Sym3<T> deviator(const Sym3<T>& a) {
+  const T mean = trace(a) / T(3);
+  return {a.xx - mean, a.yy - mean, a.zz - mean, a.xy, a.yz, a.zx};
+}
+template <class T>
+PM_HD T double_dot(const Sym3<T>& a, const Sym3<T>& b) {
+  return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + T(2) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
+}
+// von Mises effective stress of a deviator, sqrt(3/2 s:s).
+template <class T>
+PM_HD T effective(const Sym3<T>& s) {
+  return std::sqrt(T(1.5) * double_dot(s, s));
+}
+
+// A velocity gradient split into the rate of strain D and the axial vector w of the spin (W x = w cross x).
+template <class T>
+struct VelocityGradient {
+  Sym3<T> strain_rate;
+  Vec3<T> spin;
+};
+
+// R s R^T, R the Cayley (Hughes-Winget) rotation of the spin increment: exactly orthogonal, so a rigid
+// rotation never changes the norm of the stress.
+template <class T>
+PM_HD Sym3<T> rotate(const Sym3<T>& s, const Vec3<T>& angle) {
+  const T a = angle.x / 2, b = angle.y / 2, c = angle.z / 2;
+  const T f = T(2) / (T(1) + a * a + b * b + c * c);
+  const T r[3][3] = {{T(1) - f * (b * b + c * c), f * (a * b - c), f * (a * c + b)},
+                     {f * (a * b + c), T(1) - f * (a * a + c * c), f * (b * c - a)},
+                     {f * (a * c - b), f * (b * c + a), T(1) - f * (a * a + b * b)}};
+  const T m[3][3] = {{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}};
+  T rm[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) rm[i][j] = r[i][0] * m[0][j] + r[i][1] * m[1][j] + r[i][2] * m[2][j];
+  const auto entry = [&](int i, int j) {
+    return rm[i][0] * r[j][0] + rm[i][1] * r[j][1] + rm[i][2] * r[j][2];
+  };
+  return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)};
+}
+
+}  // namespace pockmark
