@@ -61,7 +61,7 @@ struct StressProbe {
   static nb::object run(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass, double cell,
                         double dt) {
     const auto material = spec.as<double>();
-    const StressUpdate<double> update{material, cell, dt, {true, true}};
+    const StressUpdate<double> update{material, cell, dt, {0.5, 0.5}};
     const std::size_t n = states.size() / 13;
     if (gradients.size() != 9 * n) throw std::invalid_argument("gradients: nine numbers a state are needed");
     std::vector<double> out(14 * n);
@@ -233,7 +233,7 @@ NB_MODULE(_core, m) {
       .value("symmetry", Face::symmetry)
       .value("fixed", Face::fixed)
       .value("transmitting", Face::transmitting);
-  nb::enum_<Scheme>(m, "Scheme").value("usf", Scheme::usf).value("musl", Scheme::musl).value("usl", Scheme::usl);
+  nb::enum_<Scheme>(m, "Scheme").value("usf", Scheme::usf).value("musl", Scheme::musl).value("usl", Scheme::usl).value("usavg", Scheme::usavg);
   nb::enum_<ShapeFunction>(m, "ShapeFunction")
       .value("trilinear", ShapeFunction::trilinear)
       .value("quadratic", ShapeFunction::quadratic);

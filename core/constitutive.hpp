@@ -45,10 +45,9 @@ struct Material {
   PM_HD T shear_speed() const { return std::sqrt(shear_modulus() / density()); }
 };
 
-// Which halves of the stress power of a step the update itself pays into the internal energy.
+// Weights of sigma_old : D dt and sigma_new : D dt in the internal energy that the update pays.
 struct WorkShare {
-  bool old_stress;  // 1/2 sigma_old : D dt
-  bool new_stress;  // 1/2 sigma_new : D dt
+  double old_stress, new_stress;
 };
 
 // Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0.
@@ -67,7 +66,7 @@ struct StressUpdate {
   // Advances the point by dt under the velocity gradient `L`. Returns its sound speed (m/s).
   PM_HD T operator()(PointState<T>& point, const VelocityGradient<T>& L, T mass, Audit& audit) const {
     const T reference_volume = mass / material.density();
-    if (share.old_stress) point.energy += T(0.5) * dt * stress_power(point, L.strain_rate, reference_volume);
+    point.energy += T(share.old_stress) * dt * stress_power(point, L.strain_rate, reference_volume);
 
     const T rate = trace(L.strain_rate), strain = rate * dt;
     point.volume *= (T(1) + strain / 2) / (T(1) - strain / 2);
@@ -118,13 +117,13 @@ struct StressUpdate {
       point.viscosity = density / ratio * cell * -rate *
                         (material.q_quadratic * cell * -rate + material.q_linear * std::sqrt(bulk_c2));
 
-    // E1 = E + (s:D' - (p1+q) tr D) V/V0 dt/2 with p1 = cold + thermal E1, solved together.
-    const T half = T(0.5) * ratio;
-    const T known = point.energy + half * (dt * double_dot(point.deviator, strain_rate) - point.viscosity * strain);
-    T p = (isochore.cold + isochore.thermal * known) / (T(1) + isochore.thermal * half * strain);
+    // E1 = E + w (s:D' - (p1+q) tr D) V/V0 dt with p1 = cold + thermal E1, solved together.
+    const T weight = T(share.new_stress) * ratio;
+    const T known = point.energy + weight * (dt * double_dot(point.deviator, strain_rate) - point.viscosity * strain);
+    T p = (isochore.cold + isochore.thermal * known) / (T(1) + isochore.thermal * weight * strain);
     if (point.damage >= T(1)) p = std::max(p, T(0));
     point.pressure = p;
-    if (share.new_stress) point.energy = known - half * p * strain;
+    point.energy = known - weight * p * strain;
     audit.viscous_work -= double(point.viscosity * strain * point.volume);
 
     const T shear = point.damage >= T(1) ? T(0) : T(4) / T(3) * material.shear_modulus() * ratio / density;

@@ -14,7 +14,7 @@
 
 namespace pockmark {
 
-enum class Scheme { usf, musl, usl };
+enum class Scheme { usf, musl, usl, usavg };
 enum class ShapeFunction { trilinear, quadratic };
 
 struct Options {
@@ -122,21 +122,22 @@ class Solver {
     timers_.time("clear", [&] { clear(); });
     timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                   // (1)
     timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before.data()); });  // (2)
-    if (options_.scheme == Scheme::usf)
-      timers_.time("stress", [&] { update_stress<Shape>(grid_.before, {!compatible, true}); });  // (3)
-    else if (compatible)
-      timers_.time("work", [&] { pay_work<Shape>(grid_.before); });
+    const auto stress = [&](const std::vector<Vec3<T>>& velocity, double dt, WorkShare share) {
+      timers_.time("stress", [&] { update_stress<Shape>(velocity, dt, share); });
+    };
+    const Scheme scheme = options_.scheme;
+    if (scheme == Scheme::usf) stress(grid_.before, dt_, {compatible ? 0 : 0.5, 0.5});  // (3)
+    if (scheme == Scheme::usavg) stress(grid_.before, dt_ / 2, {0, 1});
+    if (scheme == Scheme::musl && compatible) timers_.time("work", [&] { pay_work<Shape>(grid_.before); });
     timers_.time("forces", [&] { map_forces<Shape>(); });    // (4)
     timers_.time("momentum", [&] { integrate_momentum(); });  // (5)
     timers_.time("g2p", [&] { map_to_points<Shape>(); });     // (6)
-    if (options_.scheme == Scheme::musl || (options_.scheme == Scheme::usf && compatible))
+    if (scheme == Scheme::musl || scheme == Scheme::usavg || (scheme == Scheme::usf && compatible))
       timers_.time("remap", [&] { remap<Shape>(); });
-    if (options_.scheme == Scheme::musl)
-      timers_.time("stress", [&] { update_stress<Shape>(grid_.remapped, {true, !compatible}); });
-    else if (options_.scheme == Scheme::usl)
-      timers_.time("stress", [&] { update_stress<Shape>(grid_.after, {true, !compatible}); });
-    else if (compatible)
-      timers_.time("work", [&] { pay_work<Shape>(grid_.remapped); });
+    if (scheme == Scheme::musl) stress(grid_.remapped, dt_, {0.5, compatible ? 0 : 0.5});
+    if (scheme == Scheme::usl) stress(grid_.after, dt_, {0.5, 0.5});
+    if (scheme == Scheme::usavg) stress(grid_.remapped, dt_ / 2, {1, 0});
+    if (scheme == Scheme::usf && compatible) timers_.time("work", [&] { pay_work<Shape>(grid_.remapped); });
     timers_.time("move", [&] { move<Shape>(); });
     timers_.time("sort", [&] { sort<Shape>(); });
     time_ += dt_;  // (7)
@@ -183,7 +184,7 @@ class Solver {
   }
 
   template <class Shape>
-  void update_stress(const std::vector<Vec3<T>>& velocity, WorkShare share) {
+  void update_stress(const std::vector<Vec3<T>>& velocity, double dt, WorkShare share) {
     std::vector<Audit> audits(slabs_.count());
     slabs_.gather(points_, threads_, [&](int slab, const Run& run) {
       Patch<Shape, Vec3<T>> patch;
@@ -191,7 +192,7 @@ class Solver {
       for (std::size_t p = run.begin; p < run.end; ++p) {
         const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
         auto point = points_.load(p);
-        const StressUpdate<T> update{materials_[points_.body[p]], grid_.geometry.cell, T(dt_), share};
+        const StressUpdate<T> update{materials_[points_.body[p]], grid_.geometry.cell, T(dt), share};
         const T c = update(point, gradient<Shape>(n, patch), points_.at(Field::mass)[p], audits[slab]);
         points_.store(p, point);
         const auto v = points_.vector(Field::velocity, p);
