@@ -216,11 +216,11 @@ void bind_solver(nb::module_& m, const char* name) {
       .def("max_compression", [](const S& s) { return s.solver.audit().compression; })
       .def("timers", [](const S& s) { return s.solver.timers().seconds(); })
       .def("memory_bytes", [](const S& s) {
-        const std::size_t n = s.solver.points().size(), nodes = s.solver.grid().mass.size();
+        const std::size_t n = s.solver.points().size(), nodes = s.solver.grid().before.size();
         nb::dict d;
         // Fields, body, id, cell; the sorter's scratch and permutation.
         d["points"] = n * (component_count * sizeof(T) + 9 + sizeof(T) + 9);
-        d["grid"] = nodes * (sizeof(T) + 5 * sizeof(Vec3<T>) + 4);
+        d["grid"] = nodes * (5 * sizeof(Quad<T>) + 4);
         return d;
       });
 }

@@ -30,35 +30,36 @@ void for_each_face_node(const GridGeometry<T>& grid, int face, F&& f) {
 }
 
 // A symmetry plane is a mirror: what stencils put on the nodes behind it belongs to their images.
-template <class T, class Value>
-void fold_scalar(const GridGeometry<T>& grid, const Faces& faces, Value* field) {
-  for (int face = 0; face < 6; ++face)
-    if (faces[face] == Face::symmetry)
-      for_each_face_node(grid, face, [&](auto, auto inside, auto outside) { field[inside] += field[outside]; });
-}
+enum class Mirrored { vector, magnitudes };
 
 template <class T>
-void fold_vector(const GridGeometry<T>& grid, const Faces& faces, Vec3<T>* field) {
+void fold(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad<T>>& field, Mirrored kind) {
   for (int face = 0; face < 6; ++face)
     if (faces[face] == Face::symmetry)
       for_each_face_node(grid, face, [&](auto, auto inside, auto outside) {
         auto image = field[outside];
-        image[face / 2] = -image[face / 2];
+        if (kind == Mirrored::vector) image.v[face / 2] = -image.v[face / 2];
         field[inside] += image;
       });
 }
 
 // Fixed components of a nodal velocity, then the values behind the planes.
 template <class T>
-void constrain(const GridGeometry<T>& grid, const Faces& faces, Vec3<T>* velocity) {
-  for (int face = 0; face < 6; ++face)
-    for_each_face_node(grid, face, [&, axis = face / 2](auto on, auto inside, auto outside) {
-      if (faces[face] == Face::fixed) velocity[on] = velocity[outside] = {};
-      if (faces[face] != Face::symmetry) return;
-      velocity[on][axis] = T(0);
-      velocity[outside] = velocity[inside];
-      velocity[outside][axis] = -velocity[outside][axis];
-    });
+void constrain(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad<T>>& velocity) {
+  for (int face = 0; face < 6; ++face) {
+    const int axis = face / 2;
+    if (faces[face] == Face::fixed)
+      for_each_face_node(grid, face, [&](auto on, auto, auto outside) {
+        velocity[on].set_vector({});
+        velocity[outside].set_vector({});
+      });
+    if (faces[face] == Face::symmetry)
+      for_each_face_node(grid, face, [&](auto on, auto inside, auto outside) {
+        velocity[on].v[axis] = T(0);
+        velocity[outside] = velocity[inside];
+        velocity[outside].v[axis] = -velocity[outside].v[axis];
+      });
+  }
 }
 
 // Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the
@@ -84,10 +85,10 @@ void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, 
       const Stencil<Shape, T> n(geometry, x, base);
       const T area = points.at(Field::volume)[p] / geometry.cell;
       const auto& z = impedance[points.body[p]];  // rho c_d, rho c_s
-      const Vec3<T> per_direction{axis == 0 ? z.x : z.y, axis == 1 ? z.x : z.y, axis == 2 ? z.x : z.y};
+      const Quad<T> per_direction{{axis == 0 ? z.x : z.y, axis == 1 ? z.x : z.y, axis == 2 ? z.x : z.y, T(0)}};
       Patch<Shape, T>::for_each([&](int i, int j, int k) {
-        grid.damping[geometry.index(base[0] + i, base[1] + j, base[2] + k)] +=
-            (n.weight(i, j, k) * area) * per_direction;
+        add_scaled(grid.damping[geometry.index(base[0] + i, base[1] + j, base[2] + k)], n.weight(i, j, k) * area,
+                   per_direction);
       });
     }
   }

@@ -1,6 +1,7 @@
-// The one table of material-point fields: allocation, sorting, output and checkpoints all read it.
+// The one table of material-point fields (in the order of `Field`): allocation, sorting, output and checkpoints all read it.
 #pragma once
 #include <array>
+#include <cstddef>
 
 namespace pockmark {
 
@@ -30,21 +31,13 @@ inline constexpr std::array field_table{
     FieldInfo{Field::damage, "damage", 1, "1", "damage D; at 1 and above the point has failed"},
 };
 
-// Index of a field's first component among all components.
-constexpr int first_component(Field field) {
-  int offset = 0;
-  for (const auto& info : field_table) {
-    if (info.field == field) return offset;
-    offset += info.components;
-  }
-  return offset;
-}
-
-constexpr int count_components() {
-  int count = 0;
-  for (const auto& info : field_table) count += info.components;
-  return count;
-}
-inline constexpr int component_count = count_components();
+// Index of each field's first component among all components.
+inline constexpr auto field_offsets = [] {
+  std::array<int, field_table.size() + 1> offsets{};
+  for (std::size_t f = 0; f < field_table.size(); ++f) offsets[f + 1] = offsets[f] + field_table[f].components;
+  return offsets;
+}();
+constexpr int first_component(Field field) { return field_offsets[std::size_t(field)]; }
+inline constexpr int component_count = field_offsets[field_table.size()];
 
 }  // namespace pockmark

@@ -39,13 +39,16 @@ struct Stencil {
 
   template <class Geometry>
   PM_HD Stencil(const Geometry& grid, const T (&x)[3], const int (&base)[3]) {
-    const T inverse = T(1) / grid.cell;
     for (int a = 0; a < 3; ++a) {
       Shape::weights(grid.local(x[a], a), base[a], w[a], g[a]);
-      for (int i = 0; i < S; ++i) g[a][i] *= inverse;
+      for (int i = 0; i < S; ++i) g[a][i] *= grid.per_metre;
     }
   }
   PM_HD T weight(int i, int j, int k) const { return w[0][i] * w[1][j] * w[2][k]; }
+  // dN/dx_axis (1/m).
+  PM_HD T slope(int axis, int i, int j, int k) const {
+    return (axis == 0 ? g[0][i] : w[0][i]) * (axis == 1 ? g[1][j] : w[1][j]) * (axis == 2 ? g[2][k] : w[2][k]);
+  }
 };
 
 }  // namespace pockmark

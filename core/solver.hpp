@@ -70,7 +70,7 @@ class Solver {
   std::int64_t cycle() const { return cycle_; }
 
   void initialize() {
-    with_shape([&](auto shape) { sort<decltype(shape)>(); });
+    with_shape([&](auto shape) { locate<decltype(shape)>(true); });
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const auto& m = materials_[points_.body[p]];
       const auto v = points_.vector(Field::velocity, p);
@@ -110,6 +110,8 @@ class Solver {
   }
 
  private:
+  static constexpr int steps_between_sorts = 8;
+
   template <class F>
   void with_shape(F&& f) {
     options_.shape == ShapeFunction::trilinear ? f(Linear<T>{}) : f(Quadratic<T>{});
@@ -121,8 +123,8 @@ class Solver {
     const bool compatible = options_.compatible_energy;
     timers_.time("clear", [&] { clear(); });
     timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                   // (1)
-    timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before.data()); });  // (2)
-    const auto stress = [&](const std::vector<Vec3<T>>& velocity, double dt, WorkShare share) {
+    timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before); });  // (2)
+    const auto stress = [&](const std::vector<Quad<T>>& velocity, double dt, WorkShare share) {
       timers_.time("stress", [&] { update_stress<Shape>(velocity, dt, share); });
     };
     const Scheme scheme = options_.scheme;
@@ -139,7 +141,7 @@ class Solver {
     if (scheme == Scheme::usavg) stress(grid_.remapped, dt_ / 2, {1, 0});
     if (scheme == Scheme::usf && compatible) timers_.time("work", [&] { pay_work<Shape>(grid_.remapped); });
     timers_.time("move", [&] { move<Shape>(); });
-    timers_.time("sort", [&] { sort<Shape>(); });
+    timers_.time("sort", [&] { locate<Shape>(cycle_ % steps_between_sorts == 0); });
     time_ += dt_;  // (7)
     ++cycle_;
   }
@@ -156,10 +158,9 @@ class Solver {
   }
 
   void clear() {
-    const std::int64_t n = std::int64_t(grid_.mass.size());
+    const std::int64_t n = std::int64_t(grid_.before.size());
 #pragma omp parallel for schedule(static) num_threads(threads_)
     for (std::int64_t i = 0; i < n; ++i) {
-      grid_.mass[i] = T(0);
       grid_.before[i] = grid_.force[i] = grid_.damping[i] = grid_.remapped[i] = {};
     }
   }
@@ -167,28 +168,27 @@ class Solver {
   template <class Shape>
   void map_to_grid() {
     slabs_.scatter(points_, threads_, [&](int, const Run& run) {
-      add_mass_momentum<Shape>(points_, grid_, run);
+      add_momentum<Shape>(points_, grid_.geometry, run, grid_.before);
       add_damping<Shape>(points_, grid_, faces_, run, impedance_);
     });
-    fold_scalar(grid_.geometry, faces_, grid_.mass.data());
-    fold_vector(grid_.geometry, faces_, grid_.before.data());
-    fold_scalar(grid_.geometry, faces_, grid_.damping.data());
+    fold(grid_.geometry, faces_, grid_.before, Mirrored::vector);
+    fold(grid_.geometry, faces_, grid_.damping, Mirrored::magnitudes);
     momentum_to_velocity(grid_.before);
   }
 
-  void momentum_to_velocity(std::vector<Vec3<T>>& field) {
+  void momentum_to_velocity(std::vector<Quad<T>>& field) {
     const std::int64_t n = std::int64_t(field.size());
 #pragma omp parallel for schedule(static) num_threads(threads_)
     for (std::int64_t i = 0; i < n; ++i)
-      field[i] = grid_.mass[i] > T(0) ? (T(1) / grid_.mass[i]) * field[i] : Vec3<T>{};
+      if (field[i].v[3] > T(0)) field[i].set_vector((T(1) / field[i].v[3]) * field[i].vector());
   }
 
   template <class Shape>
-  void update_stress(const std::vector<Vec3<T>>& velocity, double dt, WorkShare share) {
+  void update_stress(const std::vector<Quad<T>>& velocity, double dt, WorkShare share) {
     std::vector<Audit> audits(slabs_.count());
     slabs_.gather(points_, threads_, [&](int slab, const Run& run) {
-      Patch<Shape, Vec3<T>> patch;
-      patch.load(grid_.geometry, run.base, velocity.data());
+      Patch<Shape, T> patch;
+      patch.load(grid_.geometry, run.base, velocity);
       for (std::size_t p = run.begin; p < run.end; ++p) {
         const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
         auto point = points_.load(p);
@@ -206,10 +206,10 @@ class Solver {
 
   // The half of the stress power that the update did not pay, on the stencils on which the forces acted.
   template <class Shape>
-  void pay_work(const std::vector<Vec3<T>>& velocity) {
+  void pay_work(const std::vector<Quad<T>>& velocity) {
     slabs_.gather(points_, threads_, [&](int, const Run& run) {
-      Patch<Shape, Vec3<T>> patch;
-      patch.load(grid_.geometry, run.base, velocity.data());
+      Patch<Shape, T> patch;
+      patch.load(grid_.geometry, run.base, velocity);
       for (std::size_t p = run.begin; p < run.end; ++p) {
         const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
         const auto point = points_.load(p);
@@ -223,7 +223,7 @@ class Solver {
   template <class Shape>
   void map_forces() {
     slabs_.scatter(points_, threads_, [&](int, const Run& run) { add_internal_force<Shape>(points_, grid_, run); });
-    fold_vector(grid_.geometry, faces_, grid_.force.data());
+    fold(grid_.geometry, faces_, grid_.force, Mirrored::vector);
   }
 
   void integrate_momentum() {
@@ -235,10 +235,11 @@ class Solver {
     for (int i = 0; i < g.nodes(0); ++i)
       for (std::int64_t node = i * plane; node < (i + 1) * plane; ++node) {
         grid_.after[node] = {};
-        if (!(grid_.mass[node] > T(0))) continue;
-        const auto step = integrate_node(grid_.mass[node], grid_.before[node], grid_.force[node],
-                                         grid_.damping[node], T(dt_), cutoff_);
-        grid_.after[node] = step.velocity;
+        const T mass = grid_.mass(node);
+        if (!(mass > T(0))) continue;
+        const auto step = integrate_node(mass, grid_.before[node].vector(), grid_.force[node].vector(),
+                                         grid_.damping[node].vector(), T(dt_), cutoff_);
+        grid_.after[node].set_vector(step.velocity);
         absorbed[i] += double(step.absorbed);
         cut[i] += step.cut;
       }
@@ -246,7 +247,7 @@ class Solver {
       absorbed_ += absorbed[i];
       audit_.counts[std::size_t(Counter::node_cutoffs)] += cut[i];
     }
-    constrain(g, faces_, grid_.after.data());
+    constrain(g, faces_, grid_.after);
   }
 
   template <class Shape>
@@ -261,11 +262,11 @@ class Solver {
   template <class Shape>
   void remap() {
     slabs_.scatter(points_, threads_, [&](int, const Run& run) {
-      add_momentum<Shape>(points_, grid_.geometry, run, grid_.remapped.data());
+      add_momentum<Shape>(points_, grid_.geometry, run, grid_.remapped);
     });
-    fold_vector(grid_.geometry, faces_, grid_.remapped.data());
+    fold(grid_.geometry, faces_, grid_.remapped, Mirrored::vector);
     momentum_to_velocity(grid_.remapped);
-    constrain(grid_.geometry, faces_, grid_.remapped.data());
+    constrain(grid_.geometry, faces_, grid_.remapped);
   }
 
   template <class Shape>
@@ -273,8 +274,10 @@ class Solver {
     slabs_.gather(points_, threads_, [&](int, const Run& run) { move_points<Shape>(points_, grid_, run, T(dt_)); });
   }
 
+  // The points' cells. They are sorted by cell now and then only: the kernels need each point near its slab,
+  // and like neighbours in memory, no more.
   template <class Shape>
-  void sort() {
+  void locate(bool sort_now) {
     const std::int64_t n = std::int64_t(points_.size());
     bool any_outside = false;
 #pragma omp parallel for schedule(static) num_threads(threads_) reduction(|| : any_outside)
@@ -285,6 +288,7 @@ class Solver {
       any_outside = any_outside || !inside;
     }
     if (any_outside) account_for_departed();
+    if (!sort_now && !any_outside && slabs_.hold(points_, threads_)) return;
     sorter_(points_, grid_.geometry.node_count(), threads_);
     slabs_.locate(points_, grid_.geometry);
   }

@@ -35,6 +35,25 @@ PM_HD T dot(const Vec3<T>& a, const Vec3<T>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+// What a node holds: a vector and a scalar (the mass, where there is one), padded to one SIMD register.
+template <class T>
+struct alignas(4 * sizeof(T)) Quad {
+  T v[4]{};
+
+  PM_HD Vec3<T> vector() const { return {v[0], v[1], v[2]}; }
+  PM_HD void set_vector(const Vec3<T>& a) { v[0] = a.x, v[1] = a.y, v[2] = a.z; }
+  PM_HD Quad& operator+=(const Quad& b) {
+    for (int c = 0; c < 4; ++c) v[c] += b.v[c];
+    return *this;
+  }
+};
+
+// a += f b, the one operation of every transfer.
+template <class T>
+PM_HD void add_scaled(Quad<T>& a, T f, const Quad<T>& b) {
+  for (int c = 0; c < 4; ++c) a.v[c] += f * b.v[c];
+}
+
 // Components in the order xx, yy, zz, xy, yz, zx, everywhere.
 template <class T>
 struct Sym3 {

@@ -13,117 +13,103 @@ struct Run {
   int base[3];
 };
 
-// The S^3 values of a nodal field under a stencil, in registers or on the stack.
-template <class Shape, class Value>
+// The S^3 values of a nodal field under a stencil.
+template <class Shape, class T>
 struct Patch {
   static constexpr int S = Shape::support;
-  Value at[S][S][S]{};
+  Quad<T> at[S][S][S]{};
 
   template <class F>
-  static void for_each(F&& f) {
+  PM_HD static void for_each(F&& f) {
     for (int i = 0; i < S; ++i)
       for (int j = 0; j < S; ++j)
         for (int k = 0; k < S; ++k) f(i, j, k);
   }
-  template <class Geometry>
-  void load(const Geometry& grid, const int (&base)[3], const Value* nodes) {
+  PM_HD void load(const GridGeometry<T>& grid, const int (&base)[3], const std::vector<Quad<T>>& nodes) {
     for_each([&](int i, int j, int k) { at[i][j][k] = nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)]; });
   }
-  template <class Geometry>
-  void add_to(const Geometry& grid, const int (&base)[3], Value* nodes) const {
+  PM_HD void add_to(const GridGeometry<T>& grid, const int (&base)[3], std::vector<Quad<T>>& nodes) const {
     for_each([&](int i, int j, int k) { nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)] += at[i][j][k]; });
   }
 };
 
 template <class Shape, class T>
-Stencil<Shape, T> stencil_of(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t p, const Run& run) {
+PM_HD Stencil<Shape, T> stencil_of(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t p, const Run& run) {
   const auto position = points.vector(Field::position, p);
   const T x[3] = {position.x, position.y, position.z};
   return {grid, x, run.base};
 }
 
+// Momentum and mass of the points.
 template <class Shape, class T>
-void add_mass_momentum(const Particles<T>& points, Grid<T>& grid, const Run& run) {
-  Patch<Shape, T> mass;
-  Patch<Shape, Vec3<T>> momentum;
-  for (std::size_t p = run.begin; p < run.end; ++p) {
-    const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
-    const T m = points.at(Field::mass)[p];
-    const auto v = points.vector(Field::velocity, p);
-    mass.for_each([&](int i, int j, int k) {
-      const T nm = n.weight(i, j, k) * m;
-      mass.at[i][j][k] += nm;
-      momentum.at[i][j][k] += nm * v;
-    });
-  }
-  mass.add_to(grid.geometry, run.base, grid.mass.data());
-  momentum.add_to(grid.geometry, run.base, grid.before.data());
-}
-
-template <class Shape, class T>
-void add_momentum(const Particles<T>& points, const GridGeometry<T>& geometry, const Run& run, Vec3<T>* nodes) {
-  Patch<Shape, Vec3<T>> momentum;
+void add_momentum(const Particles<T>& points, const GridGeometry<T>& geometry, const Run& run,
+                  std::vector<Quad<T>>& nodes) {
+  Patch<Shape, T> patch;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const auto n = stencil_of<Shape>(points, geometry, p, run);
-    const auto mv = points.at(Field::mass)[p] * points.vector(Field::velocity, p);
-    momentum.for_each([&](int i, int j, int k) { momentum.at[i][j][k] += n.weight(i, j, k) * mv; });
+    const T m = points.at(Field::mass)[p];
+    const auto v = points.vector(Field::velocity, p);
+    const Quad<T> carried{{m * v.x, m * v.y, m * v.z, m}};
+    patch.for_each([&](int i, int j, int k) { add_scaled(patch.at[i][j][k], n.weight(i, j, k), carried); });
   }
-  momentum.add_to(geometry, run.base, nodes);
+  patch.add_to(geometry, run.base, nodes);
 }
 
 // f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
 template <class Shape, class T>
 void add_internal_force(const Particles<T>& points, Grid<T>& grid, const Run& run) {
-  Patch<Shape, Vec3<T>> force;
+  Patch<Shape, T> force;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
     const auto s = -points.at(Field::volume)[p] * points.stress(p);
+    const Quad<T> column[3] = {{{s.xx, s.xy, s.zx, T(0)}}, {{s.xy, s.yy, s.yz, T(0)}}, {{s.zx, s.yz, s.zz, T(0)}}};
     force.for_each([&](int i, int j, int k) {
-      const T gx = n.g[0][i] * n.w[1][j] * n.w[2][k];
-      const T gy = n.w[0][i] * n.g[1][j] * n.w[2][k];
-      const T gz = n.w[0][i] * n.w[1][j] * n.g[2][k];
-      force.at[i][j][k] +=
-          Vec3<T>{s.xx * gx + s.xy * gy + s.zx * gz, s.xy * gx + s.yy * gy + s.yz * gz,
-                  s.zx * gx + s.yz * gy + s.zz * gz};
+      for (int a = 0; a < 3; ++a) add_scaled(force.at[i][j][k], n.slope(a, i, j, k), column[a]);
     });
   }
-  force.add_to(grid.geometry, run.base, grid.force.data());
+  force.add_to(grid.geometry, run.base, grid.force);
 }
 
 // Rate of strain and spin (Eq. 13).
 template <class Shape, class T>
-VelocityGradient<T> gradient(const Stencil<Shape, T>& n, const Patch<Shape, Vec3<T>>& velocity) {
-  Vec3<T> dx, dy, dz;  // derivatives of v along each axis
+PM_HD VelocityGradient<T> gradient(const Stencil<Shape, T>& n, const Patch<Shape, T>& velocity) {
+  Quad<T> d[3];  // derivatives of v along each axis
   velocity.for_each([&](int i, int j, int k) {
-    const auto& v = velocity.at[i][j][k];
-    dx += (n.g[0][i] * n.w[1][j] * n.w[2][k]) * v;
-    dy += (n.w[0][i] * n.g[1][j] * n.w[2][k]) * v;
-    dz += (n.w[0][i] * n.w[1][j] * n.g[2][k]) * v;
+    for (int a = 0; a < 3; ++a) add_scaled(d[a], n.slope(a, i, j, k), velocity.at[i][j][k]);
   });
+  const auto l = [&](int component, int axis) { return d[axis].v[component]; };
   const T half = T(0.5);
-  return {{dx.x, dy.y, dz.z, half * (dx.y + dy.x), half * (dy.z + dz.y), half * (dz.x + dx.z)},
-          {half * (dy.z - dz.y), half * (dz.x - dx.z), half * (dx.y - dy.x)}};
+  return {{l(0, 0), l(1, 1), l(2, 2), half * (l(0, 1) + l(1, 0)), half * (l(1, 2) + l(2, 1)),
+           half * (l(2, 0) + l(0, 2))},
+          {half * (l(2, 1) - l(1, 2)), half * (l(0, 2) - l(2, 0)), half * (l(1, 0) - l(0, 1))}};
+}
+
+template <class Shape, class T>
+PM_HD Vec3<T> interpolate(const Stencil<Shape, T>& n, const Patch<Shape, T>& velocity) {
+  Quad<T> sum;
+  velocity.for_each([&](int i, int j, int k) { add_scaled(sum, n.weight(i, j, k), velocity.at[i][j][k]); });
+  return sum.vector();
 }
 
 // FLIP with a share of PIC: v += sum N (v_after - v_before). Returns the kinetic energy that PIC took (J).
 template <class Shape, class T>
 double update_velocities(Particles<T>& points, const Grid<T>& grid, const Run& run, T pic) {
-  Patch<Shape, Vec3<T>> before, after;
-  before.load(grid.geometry, run.base, grid.before.data());
-  after.load(grid.geometry, run.base, grid.after.data());
+  Patch<Shape, T> change, after;
+  change.load(grid.geometry, run.base, grid.before);
+  after.load(grid.geometry, run.base, grid.after);
+  change.for_each([&](int i, int j, int k) {
+    for (int c = 0; c < 4; ++c) change.at[i][j][k].v[c] = after.at[i][j][k].v[c] - change.at[i][j][k].v[c];
+  });
   double taken = 0;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
-    Vec3<T> change, velocity;
-    after.for_each([&](int i, int j, int k) {
-      const T w = n.weight(i, j, k);
-      change += w * (after.at[i][j][k] - before.at[i][j][k]);
-      velocity += w * after.at[i][j][k];
-    });
-    const auto flip = points.vector(Field::velocity, p) + change;
-    const auto mixed = (T(1) - pic) * flip + pic * velocity;
-    taken += 0.5 * double(points.at(Field::mass)[p]) * double(dot(flip, flip) - dot(mixed, mixed));
-    points.set_vector(Field::velocity, p, mixed);
+    auto v = points.vector(Field::velocity, p) + interpolate(n, change);
+    if (pic > T(0)) {
+      const auto flip = v;
+      v = (T(1) - pic) * flip + pic * interpolate(n, after);
+      taken += 0.5 * double(points.at(Field::mass)[p]) * double(dot(flip, flip) - dot(v, v));
+    }
+    points.set_vector(Field::velocity, p, v);
   }
   return taken;
 }
@@ -131,13 +117,11 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Run& r
 // x += dt sum N v_after.
 template <class Shape, class T>
 void move_points(Particles<T>& points, const Grid<T>& grid, const Run& run, T dt) {
-  Patch<Shape, Vec3<T>> after;
-  after.load(grid.geometry, run.base, grid.after.data());
+  Patch<Shape, T> after;
+  after.load(grid.geometry, run.base, grid.after);
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
-    Vec3<T> velocity;
-    after.for_each([&](int i, int j, int k) { velocity += n.weight(i, j, k) * after.at[i][j][k]; });
-    points.set_vector(Field::position, p, points.vector(Field::position, p) + dt * velocity);
+    points.set_vector(Field::position, p, points.vector(Field::position, p) + dt * interpolate(n, after));
   }
 }
 

@@ -8,9 +8,10 @@
 
 namespace pockmark::cpu {
 
-// Planes a slab. A slab writes at most support-1 planes into the next one, so slabs of one colour (even, odd)
-// never write to the same node: no atomics, and sums do not depend on the number of threads.
-inline constexpr int slab_width = 4;
+// Planes a slab. A slab writes to its own planes and, because points may have strayed by one since they were
+// sorted and stencils are wide, to three more; so slabs of one colour (even, odd) never write to the same node:
+// no atomics, and sums do not depend on the number of threads.
+inline constexpr int slab_width = 8;
 
 class Slabs {
  public:
@@ -27,6 +28,20 @@ class Slabs {
     }
   }
   int count() const { return int(begin_.size()) - 1; }
+
+  // Whether every point is still within one plane of its slab.
+  template <class T>
+  bool hold(const Particles<T>& points, int threads) const {
+    bool all = true;
+#pragma omp parallel for schedule(static) num_threads(threads) reduction(&& : all)
+    for (int s = 0; s < count(); ++s) {
+      const std::uint64_t low = s == 0 ? 0 : (std::uint64_t(s) * slab_width - 1) * plane_;
+      const std::uint64_t high = (std::uint64_t(s + 1) * slab_width + 1) * plane_;
+      for (std::size_t p = begin_[s]; p < begin_[s + 1]; ++p)
+        all = all && points.cell[p] >= low && points.cell[p] < high;
+    }
+    return all;
+  }
 
   // f(slab, run) for each run; slabs in parallel. `F` may write to the points of the run only.
   template <class T, class F>

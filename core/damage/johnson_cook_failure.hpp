@@ -8,7 +8,7 @@
 #include <limits>
 #include <string>
 
-#include "../portable.hpp"
+#include "../elementary.hpp"
 
 namespace pockmark {
 
@@ -52,7 +52,8 @@ struct JohnsonCookFailure {
   PM_HD T failure_strain(T triaxiality, T rate, T temperature) const {
     const T star = std::max(rate / reference_rate, T(1));
     const T hot = std::clamp((temperature - t_room) / (t_melt - t_room), T(0), T(1));
-    return (D1 + D2 * std::exp(D3 * triaxiality)) * (T(1) + D4 * std::log(star)) * (T(1) + D5 * hot);
+    const T rate_factor = D4 == T(0) ? T(1) : T(1) + D4 * fast_log(star);
+    return (D1 + D2 * fast_exp(D3 * triaxiality)) * rate_factor * (T(1) + D5 * hot);
   }
 
   // Damage added by a plastic strain increment; triaxiality = mean stress / effective stress.

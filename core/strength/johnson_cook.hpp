@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "../portable.hpp"
+#include "../elementary.hpp"
 
 namespace pockmark {
 
@@ -39,40 +39,51 @@ struct JohnsonCook {
   PM_HD T softening(T temperature) const {
     if (temperature <= t_room) return T(1);
     if (temperature >= t_melt) return T(0);
-    return T(1) - std::pow((temperature - t_room) / (t_melt - t_room), m);
+    const T star = (temperature - t_room) / (t_melt - t_room);
+    return T(1) - (m == T(1) ? star : fast_pow(star, m));
   }
-  PM_HD T hardening(T strain) const { return A + B * std::pow(strain, n); }
+  PM_HD T rate_factor(T rate) const {
+    const T star = rate / reference_rate;
+    return star > T(1) ? T(1) + C * fast_log(star) : T(1);
+  }
+  PM_HD T hardening(T strain) const { return A + B * fast_pow(strain, n); }
   PM_HD T flow_stress(T strain, T rate, T temperature) const {
-    const T star = std::max(rate / reference_rate, T(1));
-    return hardening(strain) * (T(1) + C * std::log(star)) * softening(temperature);
+    return hardening(strain) * rate_factor(rate) * softening(temperature);
   }
 
-  // Radial return: find d with trial - 3 G d = sigma_y(strain + d, d/dt, T). Newton inside a bracket; the
-  // residual falls monotonically in d. The temperature is the one at the start of the step.
+  // Radial return: find d with trial - 3 G d = sigma_y(strain + d, d/dt, T), by Newton inside a bracket (the
+  // residual falls monotonically in d). The temperature is the one at the start of the step.
   PM_HD PlasticReturn<T> return_map(T trial, T strain, T temperature, T dt) const {
-    if (trial <= T(0)) return {};
     const T soft = softening(temperature);
+    if (trial <= A * soft) return {};
     const T three_g = T(3) * shear_modulus;
-    const T still = hardening(strain) * soft;
+    const T power = B * fast_pow(strain, n);
+    const T still = (A + power) * soft;
     if (trial <= still) return {};
-    T low = 0, high = (trial - still) / three_g, d = high;
-    const T tolerance = T(64) * std::numeric_limits<T>::epsilon() * trial;
+    const T slowest = dt * reference_rate;  // increment of the reference rate
+
+    // Start: hardening frozen at its old tangent, two rounds for the rate.
+    T low = 0, high = (trial - still) / three_g;
+    const T tangent = three_g + (strain > high ? soft * n * power / strain : T(0));
+    T d = high;
+    for (int round = 0; round < 2; ++round) {
+      const T next = (trial - still * rate_factor(d / dt)) / tangent;
+      d = next > T(0) ? next : d / T(4);
+    }
     for (int iteration = 0; iteration < 60; ++iteration) {
       const T total = strain + d;
-      const T power = std::pow(total, n);
-      const T star = d / (dt * reference_rate);
-      const bool fast = star > T(1);
-      const T rate_factor = fast ? T(1) + C * std::log(star) : T(1);
-      const T hard = A + B * power;
-      const T residual = trial - three_g * d - hard * rate_factor * soft;
-      if (std::abs(residual) <= tolerance) return {d, true};
+      const T hardened = B * fast_pow(total, n);
+      const T hard = A + hardened;
+      const T factor = rate_factor(d / dt);
+      const T residual = trial - three_g * d - hard * factor * soft;
       (residual > T(0) ? low : high) = d;
       const T slope =
-          -three_g - soft * (n * B * power / total * rate_factor + (fast ? hard * C / d : T(0)));
-      const T next = d - residual / slope;
-      const bool inside = next > low && next < high;
-      if (!inside && high - low <= std::numeric_limits<T>::epsilon() * high) return {d, true};
-      d = inside ? next : (low + high) / T(2);
+          three_g + soft * (n * hardened / total * factor + (d > slowest ? hard * C / d : T(0)));
+      const T next = d + residual / slope;
+      // Newton squares the relative error: after a change of 1e-6 the next one is below 1e-12.
+      if (std::abs(next - d) <= T(1e-6) * d || high - low <= std::numeric_limits<T>::epsilon() * high)
+        return {next, true};
+      d = next > low && next < high ? next : (low + high) / T(2);
     }
     return {d, false};
   }
