@@ -19,9 +19,9 @@ enum class Counter {
   node_cutoffs,          // nodes lighter than the cut-off: force scaled down
   strain_limited_steps,  // steps set by the strain increment, not by the fastest wave
 };
-inline constexpr std::array counter_names{
-    "left_points", "lost_points",        "failed_points",   "melted_points", "failure_treatments",
-    "eos_caps",    "return_failures", "node_cutoffs",  "strain_limited_steps"};
+inline constexpr std::array counter_names{"left_points",     "lost_points",        "failed_points",
+                                          "melted_points",   "failure_treatments", "eos_caps",
+                                          "return_failures", "node_cutoffs",       "strain_limited_steps"};
 
 // One a slab, added up in slab order, so that sums do not depend on the number of threads.
 struct Audit {

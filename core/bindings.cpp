@@ -32,8 +32,10 @@ struct MaterialSpec {
   Material<T> as() const {
     Material<T> m{};
     std::visit([&]<template <class> class Model>(const Model<double>& e) { m.eos = Model<T>(e); }, eos);
-    std::visit([&]<template <class> class Model>(const Model<double>& s) { m.strength = Model<T>(s); }, strength);
-    std::visit([&]<template <class> class Model>(const Model<double>& f) { m.failure = Model<T>(f); }, failure);
+    std::visit([&]<template <class> class Model>(const Model<double>& s) { m.strength = Model<T>(s); },
+               strength);
+    std::visit([&]<template <class> class Model>(const Model<double>& f) { m.failure = Model<T>(f); },
+               failure);
     m.specific_heat = T(specific_heat), m.taylor_quinney = T(taylor_quinney);
     m.t_room = T(t_room), m.t_melt = T(t_melt);
     m.q_quadratic = T(q_quadratic), m.q_linear = T(q_linear);
@@ -69,12 +71,25 @@ struct StressProbe {
     for (std::size_t i = 0; i < n; ++i) {
       const double* s = states.data() + 13 * i;
       const double* g = gradients.data() + 9 * i;
-      PointState<double> point{s[0], s[1], s[2], s[3], s[4], s[5], s[6], {s[7], s[8], s[9], s[10], s[11], s[12]}};
+      PointState<double> point{s[0], s[1], s[2], s[3],
+                               s[4], s[5], s[6], {s[7], s[8], s[9], s[10], s[11], s[12]}};
       const VelocityGradient<double> L{{g[0], g[1], g[2], g[3], g[4], g[5]}, {g[6], g[7], g[8]}};
       const double c = update(point, L, mass, audit);
       const auto& d = point.deviator;
-      const double row[14] = {point.volume, point.energy, point.pressure, point.viscosity, point.plastic_strain,
-                              point.temperature, point.damage, d.xx, d.yy, d.zz, d.xy, d.yz, d.zx, c};
+      const double row[14] = {point.volume,
+                              point.energy,
+                              point.pressure,
+                              point.viscosity,
+                              point.plastic_strain,
+                              point.temperature,
+                              point.damage,
+                              d.xx,
+                              d.yy,
+                              d.zz,
+                              d.xy,
+                              d.yz,
+                              d.zx,
+                              c};
       std::copy(row, row + 14, out.begin() + 14 * i);
     }
     return to_array(std::move(out), n, 14);
@@ -111,8 +126,9 @@ void set_field(Solver<T>& solver, const std::string& name, Doubles values) {
 }
 
 template <class T>
-void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, Doubles position, Doubles velocity,
-                Doubles mass, Doubles volume, nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu> body) {
+void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, Doubles position,
+                Doubles velocity, Doubles mass, Doubles volume,
+                nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu> body) {
   auto& points = solver.points();
   const std::size_t old = points.size(), n = mass.size();
   if (position.size() != 3 * n || velocity.size() != 3 * n || volume.size() != n || body.size() != n)
@@ -121,7 +137,8 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
   points.resize(old + n);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t p = old + i;
-    if (body.data()[i] >= materials.size()) throw std::invalid_argument("add_points: a body without a material");
+    if (body.data()[i] >= materials.size())
+      throw std::invalid_argument("add_points: a body without a material");
     for (int a = 0; a < 3; ++a) {
       points.at(Field::position, a)[p] = T(position.data()[3 * i + a]);
       points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
@@ -143,7 +160,9 @@ nb::dict get_ledger(const Solver<T>& solver) {
   for (std::size_t p = 0; p < solver.points().size(); ++p) mass += double(solver.points().at(Field::mass)[p]);
   nb::dict d;
   d["time"] = solver.time();
-  d["kinetic"] = l.kinetic, d["internal"] = l.internal, d["absorbed"] = l.absorbed, d["left_energy"] = l.left;
+  d["kinetic"] = l.kinetic, d["internal"] = l.internal, d["absorbed"] = l.absorbed,
+  d["left_kinetic"] = l.left_kinetic, d["left_internal"] = l.left_internal;
+  d["left_energy"] = l.left_kinetic + l.left_internal;
   d["pic"] = l.pic, d["viscous"] = l.viscous, d["plastic"] = l.plastic;
   d["initial"] = l.initial, d["error"] = l.error();
   d["momentum_x"] = momentum.x, d["momentum_y"] = momentum.y, d["momentum_z"] = momentum.z;
@@ -192,7 +211,8 @@ void bind_solver(nb::module_& m, const char* name) {
           "position"_a, "velocity"_a, "mass"_a, "volume"_a, "body"_a)
       .def("initialize", [](S& s) { s.solver.initialize(); })
       .def(
-          "advance", [](S& s, std::int64_t max_steps, double end) { return s.solver.advance(max_steps, end); },
+          "advance",
+          [](S& s, std::int64_t max_steps, double end) { return s.solver.advance(max_steps, end); },
           "max_steps"_a, "end_time"_a, nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("time", [](const S& s) { return s.solver.time(); })
       .def_prop_ro("dt", [](const S& s) { return s.solver.dt(); })
@@ -203,14 +223,17 @@ void bind_solver(nb::module_& m, const char* name) {
                      const auto& c = s.solver.grid().geometry.cells;
                      return std::int64_t(c[0]) * c[1] * c[2];
                    })
-      .def("field", [](const S& s, const std::string& name) { return get_field(s.solver, name); }, "name"_a)
-      .def("set_field", [](S& s, const std::string& name, Doubles v) { set_field(s.solver, name, v); }, "name"_a,
-           "values"_a)
+      .def(
+          "field", [](const S& s, const std::string& name) { return get_field(s.solver, name); }, "name"_a)
+      .def(
+          "set_field", [](S& s, const std::string& name, Doubles v) { set_field(s.solver, name, v); },
+          "name"_a, "values"_a)
       .def("ledger", [](const S& s) { return get_ledger(s.solver); })
       .def("counters",
            [](const S& s) {
              nb::dict d;
-             for (std::size_t i = 0; i < counter_names.size(); ++i) d[counter_names[i]] = s.solver.audit().counts[i];
+             for (std::size_t i = 0; i < counter_names.size(); ++i)
+               d[counter_names[i]] = s.solver.audit().counts[i];
              return d;
            })
       .def("max_compression", [](const S& s) { return s.solver.audit().compression; })
@@ -233,7 +256,11 @@ NB_MODULE(_core, m) {
       .value("symmetry", Face::symmetry)
       .value("fixed", Face::fixed)
       .value("transmitting", Face::transmitting);
-  nb::enum_<Scheme>(m, "Scheme").value("usf", Scheme::usf).value("musl", Scheme::musl).value("usl", Scheme::usl).value("usavg", Scheme::usavg);
+  nb::enum_<Scheme>(m, "Scheme")
+      .value("usf", Scheme::usf)
+      .value("musl", Scheme::musl)
+      .value("usl", Scheme::usl)
+      .value("usavg", Scheme::usavg);
   nb::enum_<ShapeFunction>(m, "ShapeFunction")
       .value("trilinear", ShapeFunction::trilinear)
       .value("quadratic", ShapeFunction::quadratic);
@@ -244,64 +271,69 @@ NB_MODULE(_core, m) {
       .value("clamp_triaxiality", FailureTreatment::clamp_triaxiality);
 
   nb::class_<MieGruneisen<double>>(m, "MieGruneisen")
-      .def("__init__",
-           [](MieGruneisen<double>* self, double density, double c0, double s, double gamma0) {
-             new (self) MieGruneisen<double>(density, c0, s, gamma0);
-             require_valid(*self, "MieGruneisen");
-           },
-           "density"_a, "c0"_a, "s"_a, "gamma0"_a)
+      .def(
+          "__init__",
+          [](MieGruneisen<double>* self, double density, double c0, double s, double gamma0) {
+            new (self) MieGruneisen<double>(density, c0, s, gamma0);
+            require_valid(*self, "MieGruneisen");
+          },
+          "density"_a, "c0"_a, "s"_a, "gamma0"_a)
       .def_ro("density", &MieGruneisen<double>::density)
       .def_ro("c0", &MieGruneisen<double>::c0)
       .def_ro("s", &MieGruneisen<double>::s)
       .def_ro("gamma0", &MieGruneisen<double>::gamma0);
   nb::class_<LinearEos<double>>(m, "LinearEos")
-      .def("__init__",
-           [](LinearEos<double>* self, double density, double bulk_modulus) {
-             new (self) LinearEos<double>(density, bulk_modulus);
-             require_valid(*self, "LinearEos");
-           },
-           "density"_a, "bulk_modulus"_a)
+      .def(
+          "__init__",
+          [](LinearEos<double>* self, double density, double bulk_modulus) {
+            new (self) LinearEos<double>(density, bulk_modulus);
+            require_valid(*self, "LinearEos");
+          },
+          "density"_a, "bulk_modulus"_a)
       .def_ro("density", &LinearEos<double>::density)
       .def_ro("bulk_modulus", &LinearEos<double>::bulk_modulus_);
   nb::class_<Fluid<double>>(m, "Fluid").def(nb::init<>());
   nb::class_<Elastic<double>>(m, "Elastic")
-      .def("__init__",
-           [](Elastic<double>* self, double g) {
-             new (self) Elastic<double>(g);
-             require_valid(*self, "Elastic");
-           },
-           "shear_modulus"_a)
+      .def(
+          "__init__",
+          [](Elastic<double>* self, double g) {
+            new (self) Elastic<double>(g);
+            require_valid(*self, "Elastic");
+          },
+          "shear_modulus"_a)
       .def_ro("shear_modulus", &Elastic<double>::shear_modulus);
   nb::class_<JohnsonCook<double>>(m, "JohnsonCook")
-      .def("__init__",
-           [](JohnsonCook<double>* self, double g, double A, double B, double n, double C, double mm, double rate,
-              double t_room, double t_melt) {
-             new (self) JohnsonCook<double>(g, A, B, n, C, mm, rate, t_room, t_melt);
-             require_valid(*self, "JohnsonCook");
-           },
-           "shear_modulus"_a, "A"_a, "B"_a, "n"_a, "C"_a, "m"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a)
+      .def(
+          "__init__",
+          [](JohnsonCook<double>* self, double g, double A, double B, double n, double C, double mm,
+             double rate, double t_room, double t_melt) {
+            new (self) JohnsonCook<double>(g, A, B, n, C, mm, rate, t_room, t_melt);
+            require_valid(*self, "JohnsonCook");
+          },
+          "shear_modulus"_a, "A"_a, "B"_a, "n"_a, "C"_a, "m"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a)
       .def("flow_stress", &JohnsonCook<double>::flow_stress, "strain"_a, "rate"_a, "temperature"_a);
   nb::class_<NoFailure<double>>(m, "NoFailure").def(nb::init<>());
   nb::class_<JohnsonCookFailure<double>>(m, "JohnsonCookFailure")
-      .def("__init__",
-           [](JohnsonCookFailure<double>* self, double D1, double D2, double D3, double D4, double D5, double rate,
-              double t_room, double t_melt, double mm, FailureTreatment treatment, double floor, double low,
-              double high) {
-             (void)mm;
-             new (self) JohnsonCookFailure<double>(D1, D2, D3, D4, D5, rate, t_room, t_melt, treatment, floor, low,
-                                                   high);
-             require_valid(*self, "JohnsonCookFailure");
-           },
-           "D1"_a, "D2"_a, "D3"_a, "D4"_a, "D5"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a, "m"_a,
-           "treatment"_a, "floor"_a, "triaxiality_min"_a, "triaxiality_max"_a)
+      .def(
+          "__init__",
+          [](JohnsonCookFailure<double>* self, double D1, double D2, double D3, double D4, double D5,
+             double rate, double t_room, double t_melt, double mm, FailureTreatment treatment, double floor,
+             double low, double high) {
+            (void)mm;
+            new (self) JohnsonCookFailure<double>(D1, D2, D3, D4, D5, rate, t_room, t_melt, treatment, floor,
+                                                  low, high);
+            require_valid(*self, "JohnsonCookFailure");
+          },
+          "D1"_a, "D2"_a, "D3"_a, "D4"_a, "D5"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a, "m"_a,
+          "treatment"_a, "floor"_a, "triaxiality_min"_a, "triaxiality_max"_a)
       .def("failure_strain", &JohnsonCookFailure<double>::failure_strain, "triaxiality"_a, "rate"_a,
            "temperature"_a);
   nb::class_<MaterialSpec>(m, "Material")
       .def(
           "__init__",
           [](MaterialSpec* self, decltype(MaterialSpec::eos) eos, decltype(MaterialSpec::strength) strength,
-             decltype(MaterialSpec::failure) failure, double specific_heat, double taylor_quinney, double t_room,
-             double t_melt, double q_quadratic, double q_linear) {
+             decltype(MaterialSpec::failure) failure, double specific_heat, double taylor_quinney,
+             double t_room, double t_melt, double q_quadratic, double q_linear) {
             new (self) MaterialSpec{eos,    strength, failure,     specific_heat, taylor_quinney,
                                     t_room, t_melt,   q_quadratic, q_linear};
           },
@@ -332,7 +364,8 @@ NB_MODULE(_core, m) {
     return out;
   });
   // One stress update of given states and velocity gradients: for tests against independent references.
-  m.def("update_stress", &StressProbe::run, "material"_a, "states"_a, "gradients"_a, "mass"_a, "cell"_a, "dt"_a);
+  m.def("update_stress", &StressProbe::run, "material"_a, "states"_a, "gradients"_a, "mass"_a, "cell"_a,
+        "dt"_a);
   m.def("build_info", [] {
     nb::dict d;
     d["compiler"] = __VERSION__;

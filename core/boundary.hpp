@@ -63,8 +63,8 @@ void constrain(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad
 }
 
 // Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the
-// layer of cells behind the face stands for the area V/h; projected onto the face it shares it among the nodes
-// there, so edges get a half and corners a quarter without special cases.
+// layer of cells behind the face stands for the area V/h; projected onto the face it shares it among the
+// nodes there, so edges get a half and corners a quarter without special cases.
 template <class Shape, class T>
 void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, const Run& run,
                  const std::vector<Vec3<T>>& impedance) {
@@ -73,7 +73,8 @@ void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, 
     const int axis = face / 2;
     if (faces[face] != Face::transmitting) continue;
     const int layer = face % 2 ? geometry.pad + geometry.cells[axis] - 1 : geometry.pad;
-    if (run.base[axis] < layer - 1 || run.base[axis] > layer) continue;  // no stencil of this run reaches the layer
+    if (run.base[axis] < layer - 1 || run.base[axis] > layer)
+      continue;  // no stencil of this run reaches the layer
     for (std::size_t p = run.begin; p < run.end; ++p) {
       const auto position = points.vector(Field::position, p);
       if (int(std::floor(geometry.local(position[axis], axis))) != layer) continue;
@@ -85,10 +86,11 @@ void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, 
       const Stencil<Shape, T> n(geometry, x, base);
       const T area = points.at(Field::volume)[p] / geometry.cell;
       const auto& z = impedance[points.body[p]];  // rho c_d, rho c_s
-      const Quad<T> per_direction{{axis == 0 ? z.x : z.y, axis == 1 ? z.x : z.y, axis == 2 ? z.x : z.y, T(0)}};
+      const Quad<T> per_direction{
+          {axis == 0 ? z.x : z.y, axis == 1 ? z.x : z.y, axis == 2 ? z.x : z.y, T(0)}};
       Patch<Shape, T>::for_each([&](int i, int j, int k) {
-        add_scaled(grid.damping[geometry.index(base[0] + i, base[1] + j, base[2] + k)], n.weight(i, j, k) * area,
-                   per_direction);
+        add_scaled(grid.damping[geometry.index(base[0] + i, base[1] + j, base[2] + k)],
+                   n.weight(i, j, k) * area, per_direction);
       });
     }
   }

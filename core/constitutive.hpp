@@ -53,8 +53,8 @@ struct WorkShare {
 // Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0.
 template <class T>
 PM_HD T stress_power(const PointState<T>& point, const Sym3<T>& rate, T reference_volume) {
-  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) * point.volume /
-         reference_volume;
+  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) *
+         point.volume / reference_volume;
 }
 
 template <class T>
@@ -119,7 +119,8 @@ struct StressUpdate {
 
     // E1 = E + w (s:D' - (p1+q) tr D) V/V0 dt with p1 = cold + thermal E1, solved together.
     const T weight = T(share.new_stress) * ratio;
-    const T known = point.energy + weight * (dt * double_dot(point.deviator, strain_rate) - point.viscosity * strain);
+    const T known =
+        point.energy + weight * (dt * double_dot(point.deviator, strain_rate) - point.viscosity * strain);
     T p = (isochore.cold + isochore.thermal * known) / (T(1) + isochore.thermal * weight * strain);
     if (point.damage >= T(1)) p = std::max(p, T(0));
     point.pressure = p;
@@ -133,8 +134,9 @@ struct StressUpdate {
   PM_HD void update_damage(PointState<T>& point, T plastic, T reference_volume, Audit& audit) const {
     if (point.damage >= T(1) || plastic <= T(0)) return;
     const T flow = effective(point.deviator);
-    const auto damage = material.failure.visit(
-        [&](const auto& f) { return f.step(plastic, -point.pressure, flow, plastic / dt, point.temperature); });
+    const auto damage = material.failure.visit([&](const auto& f) {
+      return f.step(plastic, -point.pressure, flow, plastic / dt, point.temperature);
+    });
     point.damage = std::max(point.damage + damage.increment, T(0));
     if (damage.treated) audit.count(Counter::failure_treatments);
 

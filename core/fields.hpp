@@ -1,4 +1,5 @@
-// The one table of material-point fields (in the order of `Field`): allocation, sorting, output and checkpoints all read it.
+// The one table of material-point fields (in the order of `Field`): allocation, sorting, output and
+// checkpoints all read it.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -6,7 +7,17 @@
 namespace pockmark {
 
 enum class Field {
-  position, velocity, mass, volume, energy, deviator, pressure, viscosity, plastic_strain, temperature, damage
+  position,
+  velocity,
+  mass,
+  volume,
+  energy,
+  deviator,
+  pressure,
+  viscosity,
+  plastic_strain,
+  temperature,
+  damage
 };
 
 struct FieldInfo {
@@ -24,7 +35,8 @@ inline constexpr std::array field_table{
     FieldInfo{Field::volume, "volume", 1, "m^3", "current volume"},
     FieldInfo{Field::energy, "energy", 1, "J/m^3", "internal energy per initial volume"},
     FieldInfo{Field::deviator, "deviator", 6, "Pa", "deviatoric stress xx, yy, zz, xy, yz, zx"},
-    FieldInfo{Field::pressure, "pressure", 1, "Pa", "pressure of the equation of state, positive in compression"},
+    FieldInfo{Field::pressure, "pressure", 1, "Pa",
+              "pressure of the equation of state, positive in compression"},
     FieldInfo{Field::viscosity, "viscosity", 1, "Pa", "bulk viscosity q, added to the pressure"},
     FieldInfo{Field::plastic_strain, "plastic_strain", 1, "1", "effective plastic strain"},
     FieldInfo{Field::temperature, "temperature", 1, "K", "temperature"},
@@ -34,7 +46,8 @@ inline constexpr std::array field_table{
 // Index of each field's first component among all components.
 inline constexpr auto field_offsets = [] {
   std::array<int, field_table.size() + 1> offsets{};
-  for (std::size_t f = 0; f < field_table.size(); ++f) offsets[f + 1] = offsets[f] + field_table[f].components;
+  for (std::size_t f = 0; f < field_table.size(); ++f)
+    offsets[f + 1] = offsets[f] + field_table[f].components;
   return offsets;
 }();
 constexpr int first_component(Field field) { return field_offsets[std::size_t(field)]; }

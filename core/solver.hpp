@@ -30,16 +30,18 @@ struct Options {
 // Where the energy is (J).
 struct Ledger {
   double kinetic = 0, internal = 0;
-  double absorbed = 0;            // by transmitting faces
-  double left = 0;                // carried out by points that left, kinetic and internal
-  double pic = 0;                 // taken from the points' velocities by the PIC share
-  double viscous = 0, plastic = 0;  // parts of the internal energy's history, for information
+  double absorbed = 0;                         // by transmitting faces
+  double left_kinetic = 0, left_internal = 0;  // carried out by points that left
+  double pic = 0;                              // taken from the points' velocities by the PIC share
+  double viscous = 0, plastic = 0;             // parts of the internal energy's history, for information
   double initial = 0;
-  double error() const { return kinetic + internal + absorbed + left + pic - initial; }
+  double error() const {
+    return kinetic + internal + absorbed + left_kinetic + left_internal + pic - initial;
+  }
 };
 
 struct Departed {
-  double mass = 0;
+  double mass = 0, kinetic = 0, internal = 0;
   Vec3<double> momentum{};
 };
 
@@ -74,7 +76,8 @@ class Solver {
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const auto& m = materials_[points_.body[p]];
       const auto v = points_.vector(Field::velocity, p);
-      extremes_.wave_speed = std::max(extremes_.wave_speed, double(m.dilatational_speed() + std::sqrt(dot(v, v))));
+      extremes_.wave_speed =
+          std::max(extremes_.wave_speed, double(m.dilatational_speed() + std::sqrt(dot(v, v))));
     }
     const auto now = energies();
     initial_ = now.kinetic + now.internal;
@@ -93,7 +96,8 @@ class Solver {
 
   Ledger ledger() const {
     Ledger l = energies();
-    l.absorbed = absorbed_, l.left = left_energy_, l.pic = pic_energy_;
+    l.absorbed = absorbed_, l.pic = pic_energy_;
+    l.left_kinetic = departed_.kinetic, l.left_internal = departed_.internal;
     l.viscous = audit_.viscous_work, l.plastic = audit_.plastic_work;
     l.initial = initial_;
     return l;
@@ -122,7 +126,7 @@ class Solver {
   void step() {
     const bool compatible = options_.compatible_energy;
     timers_.time("clear", [&] { clear(); });
-    timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                   // (1)
+    timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                  // (1)
     timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before); });  // (2)
     const auto stress = [&](const std::vector<Quad<T>>& velocity, double dt, WorkShare share) {
       timers_.time("stress", [&] { update_stress<Shape>(velocity, dt, share); });
@@ -131,7 +135,7 @@ class Solver {
     if (scheme == Scheme::usf) stress(grid_.before, dt_, {compatible ? 0 : 0.5, 0.5});  // (3)
     if (scheme == Scheme::usavg) stress(grid_.before, dt_ / 2, {0, 1});
     if (scheme == Scheme::musl && compatible) timers_.time("work", [&] { pay_work<Shape>(grid_.before); });
-    timers_.time("forces", [&] { map_forces<Shape>(); });    // (4)
+    timers_.time("forces", [&] { map_forces<Shape>(); });     // (4)
     timers_.time("momentum", [&] { integrate_momentum(); });  // (5)
     timers_.time("g2p", [&] { map_to_points<Shape>(); });     // (6)
     if (scheme == Scheme::musl || scheme == Scheme::usavg || (scheme == Scheme::usf && compatible))
@@ -222,7 +226,8 @@ class Solver {
 
   template <class Shape>
   void map_forces() {
-    slabs_.scatter(points_, threads_, [&](int, const Run& run) { add_internal_force<Shape>(points_, grid_, run); });
+    slabs_.scatter(points_, threads_,
+                   [&](int, const Run& run) { add_internal_force<Shape>(points_, grid_, run); });
     fold(grid_.geometry, faces_, grid_.force, Mirrored::vector);
   }
 
@@ -271,7 +276,8 @@ class Solver {
 
   template <class Shape>
   void move() {
-    slabs_.gather(points_, threads_, [&](int, const Run& run) { move_points<Shape>(points_, grid_, run, T(dt_)); });
+    slabs_.gather(points_, threads_,
+                  [&](int, const Run& run) { move_points<Shape>(points_, grid_, run, T(dt_)); });
   }
 
   // The points' cells. They are sorted by cell now and then only: the kernels need each point near its slab,
@@ -317,7 +323,8 @@ class Solver {
       if (!std::isfinite(dot(v, v))) throw std::runtime_error("a point's velocity is no longer a number");
       departed_.mass += m;
       departed_.momentum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
-      left_energy_ += 0.5 * m * double(dot(v, v)) + internal_energy(p);
+      departed_.kinetic += 0.5 * m * double(dot(v, v));
+      departed_.internal += internal_energy(p);
       const Face face = faces_[face_crossed(points_.vector(Field::position, p))];
       const bool expected = face == Face::free || face == Face::transmitting;
       audit_.count(expected ? Counter::left_points : Counter::lost_points);
@@ -325,7 +332,8 @@ class Solver {
   }
 
   double internal_energy(std::size_t p) const {
-    return double(points_.at(Field::energy)[p]) * points_.at(Field::mass)[p] / materials_[points_.body[p]].density();
+    return double(points_.at(Field::energy)[p]) * points_.at(Field::mass)[p] /
+           materials_[points_.body[p]].density();
   }
 
   Ledger energies() const {
@@ -358,7 +366,7 @@ class Solver {
   Departed departed_;
   double time_ = 0, dt_ = 0;
   std::int64_t cycle_ = 0;
-  double initial_ = 0, absorbed_ = 0, left_energy_ = 0, pic_energy_ = 0;
+  double initial_ = 0, absorbed_ = 0, pic_energy_ = 0;
 };
 
 }  // namespace pockmark

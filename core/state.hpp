@@ -26,7 +26,9 @@ struct Particles {
   std::vector<std::uint32_t> cell;  // first node of the point's stencil
 
   std::size_t size() const { return body.size(); }
-  PM_HD T* at(Field field, int component = 0) { return components[first_component(field) + component].data(); }
+  PM_HD T* at(Field field, int component = 0) {
+    return components[first_component(field) + component].data();
+  }
   PM_HD const T* at(Field field, int component = 0) const {
     return components[first_component(field) + component].data();
   }
@@ -48,9 +50,10 @@ struct Particles {
     return {s(0), s(1), s(2), s(3), s(4), s(5)};
   }
   PM_HD PointState<T> load(std::size_t p) const {
-    return {at(Field::volume)[p],         at(Field::energy)[p],      at(Field::pressure)[p],
-            at(Field::viscosity)[p],      at(Field::plastic_strain)[p],
-            at(Field::temperature)[p],    at(Field::damage)[p],      deviator(p)};
+    return {at(Field::volume)[p],         at(Field::energy)[p],
+            at(Field::pressure)[p],       at(Field::viscosity)[p],
+            at(Field::plastic_strain)[p], at(Field::temperature)[p],
+            at(Field::damage)[p],         deviator(p)};
   }
   PM_HD void store(std::size_t p, const PointState<T>& s) {
     at(Field::volume)[p] = s.volume;
@@ -87,7 +90,9 @@ struct GridGeometry {
 
   PM_HD int nodes(int axis) const { return cells[axis] + 1 + 2 * pad; }
   std::size_t node_count() const { return std::size_t(nodes(0)) * nodes(1) * nodes(2); }
-  PM_HD std::size_t index(int i, int j, int k) const { return (std::size_t(i) * nodes(1) + j) * nodes(2) + k; }
+  PM_HD std::size_t index(int i, int j, int k) const {
+    return (std::size_t(i) * nodes(1) + j) * nodes(2) + k;
+  }
   T upper(int axis) const { return lower[axis] + cells[axis] * cell; }
   // Position in units of cells from the first (padding) node.
   PM_HD T local(T x, int axis) const { return (x - lower[axis]) * per_metre + pad; }

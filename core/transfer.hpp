@@ -26,15 +26,19 @@ struct Patch {
         for (int k = 0; k < S; ++k) f(i, j, k);
   }
   PM_HD void load(const GridGeometry<T>& grid, const int (&base)[3], const std::vector<Quad<T>>& nodes) {
-    for_each([&](int i, int j, int k) { at[i][j][k] = nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)]; });
+    for_each(
+        [&](int i, int j, int k) { at[i][j][k] = nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)]; });
   }
   PM_HD void add_to(const GridGeometry<T>& grid, const int (&base)[3], std::vector<Quad<T>>& nodes) const {
-    for_each([&](int i, int j, int k) { nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)] += at[i][j][k]; });
+    for_each([&](int i, int j, int k) {
+      nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)] += at[i][j][k];
+    });
   }
 };
 
 template <class Shape, class T>
-PM_HD Stencil<Shape, T> stencil_of(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t p, const Run& run) {
+PM_HD Stencil<Shape, T> stencil_of(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t p,
+                                   const Run& run) {
   const auto position = points.vector(Field::position, p);
   const T x[3] = {position.x, position.y, position.z};
   return {grid, x, run.base};
@@ -62,7 +66,8 @@ void add_internal_force(const Particles<T>& points, Grid<T>& grid, const Run& ru
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
     const auto s = -points.at(Field::volume)[p] * points.stress(p);
-    const Quad<T> column[3] = {{{s.xx, s.xy, s.zx, T(0)}}, {{s.xy, s.yy, s.yz, T(0)}}, {{s.zx, s.yz, s.zz, T(0)}}};
+    const Quad<T> column[3] = {
+        {{s.xx, s.xy, s.zx, T(0)}}, {{s.xy, s.yy, s.yz, T(0)}}, {{s.zx, s.yz, s.zz, T(0)}}};
     force.for_each([&](int i, int j, int k) {
       for (int a = 0; a < 3; ++a) add_scaled(force.at[i][j][k], n.slope(a, i, j, k), column[a]);
     });

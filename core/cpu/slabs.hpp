@@ -9,8 +9,8 @@
 namespace pockmark::cpu {
 
 // Planes a slab. A slab writes to its own planes and, because points may have strayed by one since they were
-// sorted and stencils are wide, to three more; so slabs of one colour (even, odd) never write to the same node:
-// no atomics, and sums do not depend on the number of threads.
+// sorted and stencils are wide, to three more; so slabs of one colour (even, odd) never write to the same
+// node: no atomics, and sums do not depend on the number of threads.
 inline constexpr int slab_width = 8;
 
 class Slabs {

@@ -1,6 +1,7 @@
 // Johnson-Cook strength: Liu et al. 2015, Eq. 16; Johnson and Cook 1983.
 //   sigma_y = (A + B eps^n)(1 + C ln max(rate/rate0, 1))(1 - T*^m),  T* = (T - T_room)/(T_melt - T_room)
-// The rate is the plastic strain rate of the step. Below rate0 the factor is one: the law was fitted above it.
+// The rate is the plastic strain rate of the step. Below rate0 the factor is one: the law was fitted above
+// it.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -23,8 +24,15 @@ struct JohnsonCook {
 
   JohnsonCook() = default;
   JohnsonCook(T shear_modulus_, T A_, T B_, T n_, T C_, T m_, T reference_rate_, T t_room_, T t_melt_)
-      : shear_modulus(shear_modulus_), A(A_), B(B_), n(n_), C(C_), m(m_), reference_rate(reference_rate_),
-        t_room(t_room_), t_melt(t_melt_) {}
+      : shear_modulus(shear_modulus_),
+        A(A_),
+        B(B_),
+        n(n_),
+        C(C_),
+        m(m_),
+        reference_rate(reference_rate_),
+        t_room(t_room_),
+        t_melt(t_melt_) {}
   template <class U>
   explicit JohnsonCook(const JohnsonCook<U>& o)
       : JohnsonCook(T(o.shear_modulus), T(o.A), T(o.B), T(o.n), T(o.C), T(o.m), T(o.reference_rate),
@@ -33,7 +41,8 @@ struct JohnsonCook {
   std::string check() const {
     if (!(shear_modulus > 0 && A > 0 && B >= 0 && n > 0 && C >= 0 && m > 0))
       return "shear_modulus, A, n, m must be > 0; B, C >= 0";
-    return t_melt > t_room && reference_rate > 0 ? "" : "t_melt must exceed t_room; reference_rate must be > 0";
+    return t_melt > t_room && reference_rate > 0 ? ""
+                                                 : "t_melt must exceed t_room; reference_rate must be > 0";
   }
 
   PM_HD T softening(T temperature) const {
@@ -77,8 +86,7 @@ struct JohnsonCook {
       const T factor = rate_factor(d / dt);
       const T residual = trial - three_g * d - hard * factor * soft;
       (residual > T(0) ? low : high) = d;
-      const T slope =
-          three_g + soft * (n * hardened / total * factor + (d > slowest ? hard * C / d : T(0)));
+      const T slope = three_g + soft * (n * hardened / total * factor + (d > slowest ? hard * C / d : T(0)));
       const T next = d + residual / slope;
       // Newton squares the relative error: after a change of 1e-6 the next one is below 1e-12.
       if (std::abs(next - d) <= T(1e-6) * d || high - low <= std::numeric_limits<T>::epsilon() * high)
