@@ -20,7 +20,6 @@ enum class ShapeFunction { trilinear, quadratic };
 struct Options {
   Scheme scheme;
   ShapeFunction shape;
-  bool compatible_energy;  // pay the points exactly the work that the nodes did on them
   double cfl;              // dt <= cfl h / (|v| + c)
   double strain_limit;     // dt <= strain_limit / |tr D|
   double pic_fraction;
@@ -124,29 +123,25 @@ class Solver {
   // The seven steps. `before` is the nodal velocity at k-1/2, `after` at k+1/2.
   template <class Shape>
   void step() {
-    const bool compatible = options_.compatible_energy;
-    timers_.time("clear", [&] { clear(); });
-    timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                  // (1)
-    timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before); });  // (2)
+    const Scheme scheme = options_.scheme;
     const auto stress = [&](const std::vector<Quad<T>>& velocity, double dt, WorkShare share) {
       timers_.time("stress", [&] { update_stress<Shape>(velocity, dt, share); });
     };
-    const Scheme scheme = options_.scheme;
-    if (scheme == Scheme::usf) stress(grid_.before, dt_, {compatible ? 0 : 0.5, 0.5});  // (3)
+    timers_.time("clear", [&] { clear(); });
+    timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                  // (1)
+    timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before); });  // (2)
+    if (scheme == Scheme::usf) stress(grid_.before, dt_, {0.5, 0.5});                    // (3)
     if (scheme == Scheme::usavg) stress(grid_.before, dt_ / 2, {0, 1});
-    if (scheme == Scheme::musl && compatible) timers_.time("work", [&] { pay_work<Shape>(grid_.before); });
     timers_.time("forces", [&] { map_forces<Shape>(); });     // (4)
     timers_.time("momentum", [&] { integrate_momentum(); });  // (5)
     timers_.time("g2p", [&] { map_to_points<Shape>(); });     // (6)
-    if (scheme == Scheme::musl || scheme == Scheme::usavg || (scheme == Scheme::usf && compatible))
-      timers_.time("remap", [&] { remap<Shape>(); });
-    if (scheme == Scheme::musl) stress(grid_.remapped, dt_, {0.5, compatible ? 0 : 0.5});
+    if (scheme == Scheme::musl || scheme == Scheme::usavg) timers_.time("remap", [&] { remap<Shape>(); });
+    if (scheme == Scheme::musl) stress(grid_.remapped, dt_, {0.5, 0.5});
     if (scheme == Scheme::usl) stress(grid_.after, dt_, {0.5, 0.5});
     if (scheme == Scheme::usavg) stress(grid_.remapped, dt_ / 2, {1, 0});
-    if (scheme == Scheme::usf && compatible) timers_.time("work", [&] { pay_work<Shape>(grid_.remapped); });
     timers_.time("move", [&] { move<Shape>(); });
     timers_.time("sort", [&] { locate<Shape>(cycle_ % steps_between_sorts == 0); });
-    time_ += dt_;  // (7)
+    time_ = next_time_;  // (7)
     ++cycle_;
   }
 
@@ -158,7 +153,10 @@ class Solver {
       audit_.count(Counter::strain_limited_steps);
     }
     if (!(dt_ > 0) || !std::isfinite(dt_)) throw std::runtime_error("the time step is no longer a number");
-    dt_ = std::min(dt_, end_time - time_);
+    // Land on the end exactly, without a sliver of a step before it.
+    const double left = end_time - time_;
+    if (left < 2 * dt_) dt_ = left <= dt_ ? left : left / 2;
+    next_time_ = left <= dt_ ? end_time : time_ + dt_;
   }
 
   void clear() {
@@ -206,22 +204,6 @@ class Solver {
     extremes_ = {};
     for (const auto& a : audits) extremes_.absorb(a);
     audit_.absorb(extremes_);
-  }
-
-  // The half of the stress power that the update did not pay, on the stencils on which the forces acted.
-  template <class Shape>
-  void pay_work(const std::vector<Quad<T>>& velocity) {
-    slabs_.gather(points_, threads_, [&](int, const Run& run) {
-      Patch<Shape, T> patch;
-      patch.load(grid_.geometry, run.base, velocity);
-      for (std::size_t p = run.begin; p < run.end; ++p) {
-        const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
-        const auto point = points_.load(p);
-        const T reference_volume = points_.at(Field::mass)[p] / materials_[points_.body[p]].density();
-        points_.at(Field::energy)[p] +=
-            T(0.5 * dt_) * stress_power(point, gradient<Shape>(n, patch).strain_rate, reference_volume);
-      }
-    });
   }
 
   template <class Shape>
@@ -364,7 +346,7 @@ class Solver {
   Audit audit_;     // of the whole run
   Audit extremes_;  // of the last stress update
   Departed departed_;
-  double time_ = 0, dt_ = 0;
+  double time_ = 0, next_time_ = 0, dt_ = 0;
   std::int64_t cycle_ = 0;
   double initial_ = 0, absorbed_ = 0, pic_energy_ = 0;
 };

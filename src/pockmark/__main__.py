@@ -1,0 +1,5 @@
+"""python -m pockmark."""
+
+from .cli import main
+
+main()

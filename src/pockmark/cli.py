@@ -1,0 +1,150 @@
+"""The command line: run, check, measure, plot."""
+
+import json
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from . import __version__
+from .errors import PockmarkError
+from .run import forecast, measure_run, plot_run, run_scene
+from .scene import Scene
+
+app = typer.Typer(
+    help="Craters of micron-sized particles at kilometres per second, by the material point method.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+console = Console()
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene in TOML.")]
+RunDir = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
+Overrides = Annotated[
+    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key, e.g. impact.speed='4 km/s'.")
+]
+Threads = Annotated[int, typer.Option(min=0, help="Threads; 0 takes every core.")]
+
+
+def _threads(threads: int) -> int:
+    return threads or len(os.sched_getaffinity(0))
+
+
+@app.command()
+def run(
+    scene: SceneFile,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Run folder (runs/NAME).")] = None,
+    overrides: Overrides = None,
+    threads: Threads = 0,
+    force: Annotated[bool, typer.Option(help="Replace a run that is there.")] = False,
+    quiet: Annotated[bool, typer.Option(help="No progress bar.")] = False,
+) -> None:
+    """Run a scene; measure and draw the crater."""
+    loaded = Scene.load(scene, overrides or ())
+    path = output or Path("runs") / scene.stem
+    if not quiet:
+        expected = forecast(loaded, _threads(threads))
+        console.print(f"{expected.points:,} points, {expected.cells:,} cells, about {expected.steps:,} steps")
+    folder, finished = run_scene(loaded, path, threads=_threads(threads), force=force, progress=not quiet)
+    _print_result(measure_run(folder.path))
+    for picture in plot_run(folder.path):
+        console.print(f"wrote {picture}")
+    if not finished:
+        console.print("[yellow]interrupted: what was computed is kept[/yellow]")
+        raise typer.Exit(130)
+
+
+@app.command()
+def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -> None:
+    """Points, cells, steps, memory and time of a scene, before anything runs."""
+    loaded = Scene.load(scene, overrides or ())
+    expected = forecast(loaded, _threads(threads))
+    table = Table(show_header=False, title=loaded.title or str(scene))
+    table.add_row("points", f"{expected.points:,}")
+    table.add_row("cells", f"{expected.cells:,}")
+    table.add_row("steps, about", f"{expected.steps:,}")
+    table.add_row("memory", f"{expected.memory / 2**20:,.0f} MiB")
+    table.add_row("time, about", f"{expected.seconds:,.0f} s on {_threads(threads)} threads")
+    console.print(table)
+    for warning in expected.warnings:
+        console.print(f"[yellow]warning:[/yellow] {warning}")
+
+
+@app.command()
+def measure(
+    folder: RunDir,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON with stable keys, SI.")] = False,
+) -> None:
+    """Crater, energies and counters of a run."""
+    result = measure_run(folder)
+    if as_json:
+        print(json.dumps(result, indent=2))
+    else:
+        _print_result(result)
+
+
+@app.command()
+def plot(
+    folder: RunDir,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder for the pictures.")] = None,
+) -> None:
+    """Draw the slice through the crater and the history."""
+    for picture in plot_run(folder, output):
+        console.print(f"wrote {picture}")
+
+
+def _version(value: bool) -> None:
+    if value:
+        print(__version__)
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Options of every command."""
+
+
+def _print_result(result: Mapping[str, Any]) -> None:
+    crater, energy, figures = result["crater"], result["energy"], result["run"]
+    table = Table(show_header=False, title="Crater")
+    if crater["depth"] is None:
+        table.add_row("crater", "none")
+    else:
+        table.add_row("depth C_p", f"{crater['depth'] * 1e6:.2f} um")
+        table.add_row("diameter D_c", f"{crater['diameter'] * 1e6:.2f} um")
+        table.add_row("volume", f"{crater['volume'] * 1e18:.0f} um^3")
+        table.add_row("C_p/d_p", f"{crater['depth_over_projectile_diameter']:.3f}")
+        table.add_row("C_p/D_c", f"{crater['depth_over_diameter']:.3f}")
+    table.add_row("residual internal energy E_i^r", f"{energy['residual_internal']:.4f}")
+    table.add_row("kinetic, absorbed by faces", f"{energy['kinetic']:.4f}, {energy['absorbed']:.4f}")
+    table.add_row("energy ledger error", f"{energy['ledger_error']:+.2%} of the initial kinetic energy")
+    table.add_row("failure treatment", str(figures["failure_treatment"]))
+    table.add_row("scheme", f"{figures['scheme']}, {figures['shape_functions']}")
+    table.add_row("largest rho/rho0", f"{figures['max_compression']:.3f}")
+    rate = figures["particle_steps_per_second"] / 1e6
+    table.add_row("run", f"{figures['points']:,} points, {figures['steps']:,} steps, {rate:.2f} M particle-steps/s")
+    counted = ", ".join(f"{name} {count:,}" for name, count in result["counters"].items() if count)
+    table.add_row("counted", counted or "nothing")
+    console.print(table)
+
+
+def main() -> None:
+    """Entry point: a user's mistake is one sentence and exit code 2."""
+    try:
+        app()
+    except PockmarkError as error:
+        print(f"pockmark: {error}", file=sys.stderr)
+        sys.exit(2)
+    except MemoryError:
+        print("pockmark: there is not enough memory for this scene (see pockmark check)", file=sys.stderr)
+        sys.exit(2)

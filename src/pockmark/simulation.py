@@ -1,0 +1,133 @@
+"""A run: the core's solver, stepped from event to event."""
+
+import os
+import time
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .points import make_points
+from .scene import Scene
+
+
+class Task(Protocol):
+    """Something that happens during a run, every `interval` seconds of simulated time."""
+
+    interval: float
+
+    def act(self, simulation: "Simulation") -> None:
+        """Called at time 0, at each multiple of the interval, and at the end."""
+
+
+class Simulation:
+    """The state of one scene. Positions etc. come as copies in SI, in the core's current order."""
+
+    def __init__(self, scene: Scene, threads: int | None = None) -> None:
+        """Make the points and the grid. Raises PockmarkError if a body has no points."""
+        self.scene = scene
+        self.threads = threads or len(os.sched_getaffinity(0))
+        self.stepping_seconds = 0.0
+        self.point_steps = 0
+        numerics = scene.numerics
+        kind = _core.Solver if numerics.precision == "double" else _core.SolverSingle
+        points = make_points(scene)
+        self._solver = kind(
+            lower=scene.grid.lower,
+            cell=scene.grid.cell,
+            cells=scene.grid.cells,
+            faces=[getattr(_core.Face, kind) for kind in scene.boundary.faces],
+            materials=[scene.materials[b.material].to_core() for b in scene.body],
+            options=_core.Options(
+                scheme=getattr(_core.Scheme, numerics.scheme),
+                shape=getattr(_core.ShapeFunction, numerics.shape_functions),
+                cfl=numerics.cfl,
+                strain_limit=numerics.strain_limit,
+                pic_fraction=numerics.pic_fraction,
+                mass_cutoff=numerics.mass_cutoff,
+            ),
+            threads=self.threads,
+        )
+        self._solver.add_points(points.position, points.velocity, points.mass, points.volume, points.body)
+        self._solver.initialize()
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return float(self._solver.time)
+
+    @property
+    def steps(self) -> int:
+        """Steps done."""
+        return int(self._solver.cycle)
+
+    @property
+    def points(self) -> int:
+        """Material points still in the grid."""
+        return int(self._solver.points)
+
+    @property
+    def rate(self) -> float:
+        """Particle-steps a second of stepping."""
+        return self.point_steps / self.stepping_seconds if self.stepping_seconds > 0 else 0.0
+
+    def field(self, name: str) -> NDArray[Any]:
+        """A field of the points by its name in `field_names`, (n,) or (n, components)."""
+        return np.asarray(self._solver.field(name))
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """All fields of all points."""
+        return {name: self.field(name) for name in field_names()}
+
+    def ledger(self) -> dict[str, float]:
+        """Where the energy is (J), momentum (kg m/s) and mass (kg)."""
+        return dict(self._solver.ledger())
+
+    def counters(self) -> dict[str, int]:
+        """How often each clamp, floor and loss happened."""
+        return dict(self._solver.counters())
+
+    def timers(self) -> dict[str, float]:
+        """Seconds spent in each phase of the step."""
+        return dict(self._solver.timers())
+
+    def memory(self) -> dict[str, int]:
+        """Bytes of the points and of the grid."""
+        return dict(self._solver.memory_bytes())
+
+    @property
+    def max_compression(self) -> float:
+        """Largest rho/rho0 of any point so far."""
+        return float(self._solver.max_compression())
+
+    def advance(self, end_time: float, max_steps: int = 2**62) -> int:
+        """Step until `end_time` (s), hit exactly, or for `max_steps`. Returns the steps done."""
+        start = time.perf_counter()
+        points = self.points
+        steps = int(self._solver.advance(max_steps=max_steps, end_time=end_time))
+        self.stepping_seconds += time.perf_counter() - start
+        self.point_steps += points * steps
+        return steps
+
+    def run(self, tasks: Sequence[Task] = (), end_time: float | None = None) -> None:
+        """Step to the end, calling each task at its times. KeyboardInterrupt comes through between steps."""
+        end = self.scene.end_time if end_time is None else end_time
+        counts = [0] * len(tasks)
+        while True:
+            for i, task in enumerate(tasks):
+                if self.time >= min(counts[i] * task.interval, end):
+                    task.act(self)
+                    counts[i] += 1
+            if self.time >= end:
+                return
+            target = min([end, *(n * t.interval for n, t in zip(counts, tasks, strict=True))])
+            while self.time < target:
+                # Few steps a call, so that Ctrl-C is heard within a second or so.
+                self.advance(target, max_steps=max(1, 2_000_000 // max(self.points, 1)))
+
+
+def field_names() -> list[str]:
+    """Names of all point fields, `body` and `id` included."""
+    return [*(f["name"] for f in _core.fields()), "body", "id"]

@@ -1,0 +1,212 @@
+"""The run folder: scene.toml, manifest.json, history.csv and snapshot-NNNN.vtkhdf files that ParaView opens."""
+
+import csv
+import json
+import os
+import platform
+import shutil
+import subprocess
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .errors import PockmarkError
+from .scene import Scene
+
+MANIFEST = "manifest.json"
+HISTORY = "history.csv"
+
+
+class RunFolder:
+    """One run on disk."""
+
+    def __init__(self, path: Path) -> None:
+        """Wrap a path; nothing is touched."""
+        self.path = path
+
+    @classmethod
+    def create(cls, path: str | Path, scene: Scene, *, force: bool = False) -> "RunFolder":
+        """Make the folder for a new run. Raises PockmarkError if something else is there."""
+        folder = cls(Path(path))
+        if folder.path.exists():
+            if not folder.path.is_dir():
+                raise PockmarkError(f"{path}: is a file, expected a folder to write the run to")
+            is_run = (folder.path / MANIFEST).exists()
+            if any(folder.path.iterdir()) and not (is_run and force):
+                what = "holds a run (--force replaces it)" if is_run else "is not empty and holds no run"
+                raise PockmarkError(f"{path}: {what}")
+        with _told(path):
+            if folder.path.exists():
+                shutil.rmtree(folder.path)
+            folder.path.mkdir(parents=True)
+            scene.save(folder.path / "scene.toml")
+            folder.write_manifest({"status": "running", "scene_hash": scene.hash})
+        return folder
+
+    @classmethod
+    def open(cls, path: str | Path) -> "RunFolder":
+        """Open an existing run. Raises PockmarkError if it is none."""
+        if not (Path(path) / MANIFEST).is_file():
+            raise PockmarkError(f"{path}: is not a run folder (it has no {MANIFEST})")
+        return cls(Path(path))
+
+    def scene(self) -> Scene:
+        """The scene of the run."""
+        return Scene.load(self.path / "scene.toml")
+
+    def manifest(self) -> dict[str, Any]:
+        """manifest.json as a dictionary."""
+        with _told(self.path / MANIFEST):
+            try:
+                return dict(json.loads((self.path / MANIFEST).read_text(encoding="utf-8")))
+            except json.JSONDecodeError as error:
+                raise PockmarkError(f"{self.path / MANIFEST}: is not JSON ({error})") from None
+
+    def write_manifest(self, manifest: Mapping[str, Any]) -> None:
+        """Replace manifest.json in one go."""
+        with _replaced(self.path / MANIFEST) as part:
+            part.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+
+    def append_history(self, row: Mapping[str, float]) -> None:
+        """Add a row to history.csv; the first one writes the header."""
+        path = self.path / HISTORY
+        with _told(path):
+            is_new = not path.exists()
+            with path.open("a", newline="", encoding="utf-8") as file:
+                writer = csv.DictWriter(file, fieldnames=list(row))
+                if is_new:
+                    writer.writeheader()
+                writer.writerow(row)
+
+    def history(self) -> dict[str, NDArray[np.float64]]:
+        """Columns of history.csv."""
+        path = self.path / HISTORY
+        with _told(path):
+            table = np.genfromtxt(path, delimiter=",", names=True, ndmin=1)
+        return {name: np.asarray(table[name], dtype=np.float64) for name in table.dtype.names or ()}
+
+    def snapshots(self) -> list[Path]:
+        """Snapshot files in the order of time."""
+        return sorted(self.path.glob("snapshot-*.vtkhdf"))
+
+    def write_snapshot(self, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> Path:
+        """Write all fields of all points as the next VTKHDF file."""
+        path = self.path / f"snapshot-{len(self.snapshots()):04d}.vtkhdf"
+        with _replaced(path) as part, h5py.File(part, "w") as file:
+            _write_vtkhdf(file, fields, time_s, step)
+        return path
+
+    def last_snapshot(self) -> dict[str, NDArray[Any]]:
+        """Fields of the last snapshot. Raises PockmarkError if there is none."""
+        found = self.snapshots()
+        if not found:
+            raise PockmarkError(f"{self.path}: holds no snapshot")
+        return read_snapshot(found[-1])
+
+
+def read_snapshot(path: Path) -> dict[str, NDArray[Any]]:
+    """Fields of a snapshot file; `time` is an array of one."""
+    with _told(path):
+        with h5py.File(path, "r") as file:
+            root = file["VTKHDF"]
+            fields = {name: np.asarray(data) for name, data in root["PointData"].items()}
+            fields["position"] = np.asarray(root["Points"])
+            fields["time"] = np.asarray(root["FieldData/time"])
+        return fields
+
+
+def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> None:
+    """The points as an unstructured grid of vertices (VTKHDF 2.2)."""
+    root = file.create_group("VTKHDF")
+    root.attrs["Version"] = (2, 2)
+    root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
+    n = len(fields["position"])
+    for name, count in (("NumberOfPoints", n), ("NumberOfCells", n), ("NumberOfConnectivityIds", n)):
+        root.create_dataset(name, data=np.array([count], dtype=np.int64))
+    root.create_dataset("Points", data=fields["position"])
+    root.create_dataset("Connectivity", data=np.arange(n, dtype=np.int64), compression=1)
+    root.create_dataset("Offsets", data=np.arange(n + 1, dtype=np.int64), compression=1)
+    root.create_dataset("Types", data=np.full(n, 1, dtype=np.uint8), compression=1)
+    data = root.create_group("PointData")
+    for name, values in fields.items():
+        if name != "position":
+            data.create_dataset(name, data=values)
+    data.create_dataset("effective_stress", data=effective_stress(fields["deviator"]))
+    extra = root.create_group("FieldData")
+    extra.create_dataset("time", data=np.array([time_s]))
+    extra.create_dataset("step", data=np.array([step], dtype=np.int64))
+
+
+def effective_stress(deviator: NDArray[np.float64]) -> NDArray[np.float64]:
+    """von Mises effective stress (n,) of deviators (n, 6) in the order xx, yy, zz, xy, yz, zx, Pa."""
+    squares = deviator**2
+    return np.asarray(np.sqrt(1.5 * (squares[:, :3].sum(axis=1) + 2.0 * squares[:, 3:].sum(axis=1))))
+
+
+def machine() -> dict[str, Any]:
+    """The machine and the build: processor, cores, compiler."""
+    model = platform.processor() or platform.machine()
+    try:
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                model = line.partition(":")[2].strip()
+                break
+    except OSError:
+        pass
+    return {
+        "processor": model,
+        "cores": os.cpu_count(),
+        "system": platform.platform(),
+        "python": platform.python_version(),
+        "build": dict(_core.build_info()),
+    }
+
+
+def commit() -> str | None:
+    """The git commit of the source tree that pockmark runs from, if it is one."""
+    try:
+        out = subprocess.run(
+            ["git", "rev-parse", "HEAD"],
+            cwd=Path(__file__).parent,
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    return out.stdout.strip() or None
+
+
+def now() -> str:
+    """UTC, ISO 8601."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+
+
+@contextmanager
+def _told(path: str | Path) -> Iterator[None]:
+    """Turn a failure of the system into one sentence about `path`."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error).splitlines()[0]
+        raise PockmarkError(f"{path}: {reason}") from None
+
+
+@contextmanager
+def _replaced(path: Path) -> Iterator[Path]:
+    """Write a file under another name first, so that a failure leaves the old one whole."""
+    part = path.with_name(path.name + ".part")
+    with _told(path):
+        try:
+            yield part
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)

@@ -1,0 +1,109 @@
+"""What happens during a run: history, snapshots, the progress bar."""
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from .simulation import Simulation
+from .store import RunFolder
+
+# What a row of the history holds of the ledger.
+LEDGER = (
+    "kinetic",
+    "internal",
+    "absorbed",
+    "left_kinetic",
+    "left_internal",
+    "viscous",
+    "plastic",
+    "pic",
+    "initial",
+    "error",
+    "mass",
+    "left_mass",
+    "momentum_x",
+    "momentum_y",
+    "momentum_z",
+)
+
+
+class History:
+    """A row of history.csv every `interval` seconds: ledger, depth, extremes, counters."""
+
+    def __init__(self, folder: RunFolder, interval: float) -> None:
+        """`interval` in seconds of simulated time."""
+        self.folder, self.interval = folder, interval
+
+    def act(self, simulation: Simulation) -> None:
+        """Write a row."""
+        ledger = simulation.ledger()
+        row = {"time": simulation.time, "step": float(simulation.steps), "points": float(simulation.points)}
+        row |= {key: ledger[key] for key in LEDGER}
+        row["depth"] = current_depth(simulation)
+        row["max_compression"] = simulation.max_compression
+        row |= {key: float(value) for key, value in simulation.counters().items()}
+        self.folder.append_history(row)
+
+
+class Snapshots:
+    """A VTKHDF file every `interval` seconds."""
+
+    def __init__(self, folder: RunFolder, interval: float) -> None:
+        """`interval` in seconds of simulated time."""
+        self.folder, self.interval = folder, interval
+
+    def act(self, simulation: Simulation) -> None:
+        """Write all fields of all points."""
+        self.folder.write_snapshot(simulation.snapshot(), simulation.time, simulation.steps)
+
+
+class ProgressBar:
+    """Simulated time, rate, time left and depth on the terminal."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        """The bar starts at once; call close() at the end."""
+        end = simulation.scene.end_time
+        self.interval = end / 200
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TaskProgressColumn(),
+            TimeRemainingColumn(),
+            TextColumn("{task.fields[state]}"),
+        )
+        self._task = self._bar.add_task("impact", total=end, state="")
+        self._bar.start()
+
+    def act(self, simulation: Simulation) -> None:
+        """Show where the run is."""
+        state = (
+            f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s"
+            f"  depth {current_depth(simulation) * 1e6:.1f} um"
+        )
+        self._bar.update(self._task, completed=simulation.time, state=state)
+
+    def close(self) -> None:
+        """Leave the terminal as it was."""
+        self._bar.stop()
+
+
+def current_depth(simulation: Simulation) -> float:
+    """Depth of the target's surface on the axis of the first projectile now, m; a quick estimate."""
+    scene = simulation.scene
+    target = scene.body[scene.targets[0]] if scene.targets else scene.body[0]
+    axis = (0.0, 0.0)
+    if scene.projectiles:
+        lower, upper = scene.body[scene.projectiles[0]].box
+        axis = ((lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2)
+    x, is_target = simulation.field("position"), np.isin(simulation.field("body"), scene.targets)
+    near = np.hypot(x[:, 0] - axis[0], x[:, 1] - axis[1]) < scene.grid.cell
+    return _top_of_column(x[near & is_target, 2], gap=2 * scene.grid.cell, spacing=target.spacing)
+
+
+def _top_of_column(z: NDArray[np.float64], *, gap: float, spacing: float) -> float:
+    """Depth of the highest of the points `z` (m) that hangs together with the lowest without a gap."""
+    if len(z) == 0:
+        return float("nan")
+    z = np.sort(z)
+    breaks = np.flatnonzero(np.diff(z) > gap)
+    return -float(z[breaks[0]] if len(breaks) else z[-1]) - spacing / 2

@@ -1,0 +1,49 @@
+"""The only door for units: "20 um", "2.2 km/s", "15 deg" in, SI floats inside."""
+
+from functools import cache
+from typing import Annotated, Any
+
+import pint
+from pydantic import BeforeValidator
+
+
+@cache
+def _registry() -> pint.UnitRegistry[float]:
+    return pint.UnitRegistry()
+
+
+def to_si(value: Any, unit: str) -> float:
+    """Convert a number (already SI) or a text with a unit to a float in `unit`, an SI unit such as "m/s".
+
+    Raises ValueError with one sentence on a wrong unit or something that is no number.
+    """
+    if isinstance(value, bool):
+        raise ValueError(f"found {value}, expected a quantity in {unit or 'no unit'}")
+    if isinstance(value, int | float):
+        return float(value)
+    if not isinstance(value, str):
+        raise ValueError(f"found {value!r}, expected a number or a text like '20 {unit}'")
+    try:
+        quantity = _registry().Quantity(value)
+        # Through base units, so that an exact text such as "20 um" always gives the same float.
+        return float(quantity.to(unit or "dimensionless").magnitude)
+    except pint.DimensionalityError:
+        raise ValueError(f"found '{value}', expected a quantity in {unit or 'no unit'}") from None
+    except Exception:
+        raise ValueError(f"found '{value}', which is not a quantity such as '20 {unit}'") from None
+
+
+def _quantity(unit: str) -> BeforeValidator:
+    return BeforeValidator(lambda value: to_si(value, unit))
+
+
+Length = Annotated[float, _quantity("m")]
+Speed = Annotated[float, _quantity("m/s")]
+Angle = Annotated[float, _quantity("rad")]
+Time = Annotated[float, _quantity("s")]
+Pressure = Annotated[float, _quantity("Pa")]
+Density = Annotated[float, _quantity("kg/m^3")]
+Temperature = Annotated[float, _quantity("K")]
+SpecificHeat = Annotated[float, _quantity("J/(kg*K)")]
+Rate = Annotated[float, _quantity("1/s")]
+Number = Annotated[float, _quantity("")]

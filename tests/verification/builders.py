@@ -1,0 +1,83 @@
+"""Small builders that the verification tests share."""
+
+import numpy as np
+import pockmark._core as core
+
+THREADS = 1  # these are small: more threads only wait for each other
+FREE, SYMMETRY, FIXED = core.Face.free, core.Face.symmetry, core.Face.fixed
+TRANSMITTING = core.Face.transmitting
+
+# Al 2024 as the paper has it.
+RHO, C0, S, GAMMA0 = 2770.0, 5330.0, 1.34, 2.0
+SHEAR = 73.0e9 / (2 * 1.33)
+
+
+def material(eos, strength, *, failure=None, q=(0.0, 0.0), t_melt=775.0, heating=1.0):
+    return core.Material(
+        eos=eos, strength=strength, failure=failure or core.NoFailure(), specific_heat=875.0,
+        taylor_quinney=heating, t_room=293.0, t_melt=t_melt, q_quadratic=q[0], q_linear=q[1],
+    )
+
+
+def elastic(young, nu, density):
+    """Linear elastic solid without viscosity."""
+    bulk, shear = young / (3 * (1 - 2 * nu)), young / (2 * (1 + nu))
+    return material(core.LinearEos(density, bulk), core.Elastic(shear))
+
+
+def paper_eos():
+    return core.MieGruneisen(RHO, C0, S, GAMMA0)
+
+
+def perfectly_plastic(shear, yield_stress):
+    """Johnson-Cook without hardening, rate or heat."""
+    return core.JohnsonCook(
+        shear_modulus=shear, A=yield_stress, B=0.0, n=1.0, C=0.0, m=1.0, reference_rate=1.0,
+        t_room=293.0, t_melt=1e9,
+    )
+
+
+def options(scheme="usf", shape="trilinear", *, cfl=0.5, compatible=True, cutoff=0.0, pic=0.0):
+    return core.Options(
+        scheme=getattr(core.Scheme, scheme), shape=getattr(core.ShapeFunction, shape),
+        compatible_energy=compatible, cfl=cfl, strain_limit=0.2, pic_fraction=pic, mass_cutoff=cutoff,
+    )
+
+
+def lattice(lower, counts, pitch):
+    """Centres of a lattice of counts[0] x counts[1] x counts[2] bricks of size pitch; x slowest."""
+    pitch = np.broadcast_to(pitch, 3)
+    axes = [lo + (np.arange(n) + 0.5) * d for lo, n, d in zip(lower, counts, pitch, strict=True)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def solver(lower, cell, cells, faces, materials, opts, bodies, *, threads=THREADS, single=False):
+    """bodies: (position, velocity, volume of a point, density, index of the material)."""
+    kind = core.SolverSingle if single else core.Solver
+    out = kind(
+        lower=tuple(float(x) for x in lower), cell=float(cell), cells=tuple(int(n) for n in cells),
+        faces=list(faces), materials=materials, options=opts, threads=threads,
+    )
+    for position, velocity, volume, density, body in bodies:
+        n = len(position)
+        v = np.ascontiguousarray(np.broadcast_to(velocity, (n, 3)), dtype=float)
+        out.add_points(
+            position=np.ascontiguousarray(position), velocity=v, mass=np.full(n, density * volume),
+            volume=np.full(n, float(volume)), body=np.full(n, body, dtype=np.uint8),
+        )
+    out.initialize()
+    return out
+
+
+def by_id(s, name):
+    """A field in the order in which the points were added."""
+    return s.field(name)[np.argsort(s.field("id"))]
+
+
+def set_by_id(s, name, values):
+    s.set_field(name, np.ascontiguousarray(np.asarray(values, dtype=float)[s.field("id")]))
+
+
+def momentum(s):
+    ledger = s.ledger()
+    return np.array([ledger["momentum_x"], ledger["momentum_y"], ledger["momentum_z"]])
