@@ -317,14 +317,14 @@ NB_MODULE(_core, m) {
       .def(
           "__init__",
           [](JohnsonCookFailure<double>* self, double D1, double D2, double D3, double D4, double D5,
-             double rate, double t_room, double t_melt, FailureTreatment treatment, double floor,
-             double low, double high) {
+             double rate, double t_room, double t_melt, FailureTreatment treatment, double floor, double low,
+             double high) {
             new (self) JohnsonCookFailure<double>(D1, D2, D3, D4, D5, rate, t_room, t_melt, treatment, floor,
                                                   low, high);
             require_valid(*self, "JohnsonCookFailure");
           },
-          "D1"_a, "D2"_a, "D3"_a, "D4"_a, "D5"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a,
-          "treatment"_a, "floor"_a, "triaxiality_min"_a, "triaxiality_max"_a)
+          "D1"_a, "D2"_a, "D3"_a, "D4"_a, "D5"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a, "treatment"_a,
+          "floor"_a, "triaxiality_min"_a, "triaxiality_max"_a)
       .def("failure_strain", &JohnsonCookFailure<double>::failure_strain, "triaxiality"_a, "rate"_a,
            "temperature"_a);
   nb::class_<MaterialSpec>(m, "Material")
@@ -341,13 +341,11 @@ NB_MODULE(_core, m) {
   nb::class_<Options>(m, "Options")
       .def(
           "__init__",
-          [](Options* self, Scheme scheme, ShapeFunction shape, double cfl,
-             double strain_limit, double pic_fraction, double mass_cutoff) {
-            new (self)
-                Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff};
+          [](Options* self, Scheme scheme, ShapeFunction shape, double cfl, double strain_limit,
+             double pic_fraction, double mass_cutoff) {
+            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff};
           },
-          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a,
-          "mass_cutoff"_a);
+          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a);
 
   bind_solver<double>(m, "Solver");
   bind_solver<float>(m, "SolverSingle");

@@ -20,8 +20,8 @@ enum class ShapeFunction { trilinear, quadratic };
 struct Options {
   Scheme scheme;
   ShapeFunction shape;
-  double cfl;              // dt <= cfl h / (|v| + c)
-  double strain_limit;     // dt <= strain_limit / |tr D|
+  double cfl;           // dt <= cfl h / (|v| + c)
+  double strain_limit;  // dt <= strain_limit / |tr D|
   double pic_fraction;
   double mass_cutoff;  // in units of the lightest rho0 h^3
 };

@@ -69,6 +69,7 @@ struct JohnsonCook {
     const T power = B * fast_pow(strain, n);
     const T still = (A + power) * soft;
     if (trial <= still) return {};
+    const T rounding = T(8) * std::numeric_limits<T>::epsilon() * trial / three_g;
     const T slowest = dt * reference_rate;  // increment of the reference rate
 
     // Start: hardening frozen at its old tangent, two rounds for the rate.
@@ -88,8 +89,10 @@ struct JohnsonCook {
       (residual > T(0) ? low : high) = d;
       const T slope = three_g + soft * (n * hardened / total * factor + (d > slowest ? hard * C / d : T(0)));
       const T next = d + residual / slope;
-      // Newton squares the relative error: after a change of 1e-6 the next one is below 1e-12.
-      if (std::abs(next - d) <= T(1e-6) * d || high - low <= std::numeric_limits<T>::epsilon() * high)
+      // Newton squares the relative error: after a change of 1e-6 the next one is below 1e-12. A tiny d
+      // cannot be known better than the rounding of the stress allows.
+      if (std::abs(next - d) <= T(1e-6) * d + rounding ||
+          high - low <= std::numeric_limits<T>::epsilon() * high)
         return {next, true};
       d = next > low && next < high ? next : (low + high) / T(2);
     }

@@ -27,7 +27,8 @@ console = Console()
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene in TOML.")]
 RunDir = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 Overrides = Annotated[
-    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Change a key, e.g. impact.speed='4 km/s'.")
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Change a key, e.g. impact.speed='4 km/s'."),
 ]
 Threads = Annotated[int, typer.Option(min=0, help="Threads; 0 takes every core.")]
 
@@ -132,7 +133,9 @@ def _print_result(result: Mapping[str, Any]) -> None:
     table.add_row("scheme", f"{figures['scheme']}, {figures['shape_functions']}")
     table.add_row("largest rho/rho0", f"{figures['max_compression']:.3f}")
     rate = figures["particle_steps_per_second"] / 1e6
-    table.add_row("run", f"{figures['points']:,} points, {figures['steps']:,} steps, {rate:.2f} M particle-steps/s")
+    table.add_row(
+        "run", f"{figures['points']:,} points, {figures['steps']:,} steps, {rate:.2f} M particle-steps/s"
+    )
     counted = ", ".join(f"{name} {count:,}" for name, count in result["counters"].items() if count)
     table.add_row("counted", counted or "nothing")
     console.print(table)

@@ -207,5 +207,7 @@ def complete(name: str, written: Mapping[str, Any] | None) -> dict[str, Any]:
             raise PockmarkError(f"material '{name}' is neither in the scene nor in the library ({known})")
         return changes
     if base not in library():
-        raise PockmarkError(f"materials.{name}.based_on: found '{base}', expected one of {', '.join(library())}")
+        raise PockmarkError(
+            f"materials.{name}.based_on: found '{base}', expected one of {', '.join(library())}"
+        )
     return merge(library()[base], changes)

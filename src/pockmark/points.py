@@ -30,11 +30,9 @@ def lattice(body: Block | Sphere) -> Array:
 def _block(block: Block) -> Array:
     """Centres lower + (i + 1/2) h that lie inside."""
     h = block.spacing
-    counts = [
-        int(np.ceil((u - w) / h - 0.5 - 1e-9)) for w, u in zip(block.lower, block.upper, strict=True)
-    ]
+    counts = [int(np.ceil((u - w) / h - 0.5 - 1e-9)) for w, u in zip(block.lower, block.upper, strict=True)]
     axes = [w + (np.arange(n) + 0.5) * h for w, n in zip(block.lower, counts, strict=True)]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return np.asarray(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3))
 
 
 def _sphere(sphere: Sphere) -> Array:
@@ -43,7 +41,7 @@ def _sphere(sphere: Sphere) -> Array:
     axis = np.arange(-n, n) + 0.5
     grid = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
     inside = (grid**2).sum(axis=1) < n * n
-    return grid[inside] * sphere.spacing + np.asarray(sphere.center)
+    return np.asarray(grid[inside] * sphere.spacing + np.asarray(sphere.center))
 
 
 def make_points(scene: Scene) -> Points:
@@ -56,7 +54,9 @@ def make_points(scene: Scene) -> Points:
         x = lattice(body)
         x = x[np.all((x >= lower) & (x < upper), axis=1)]
         if len(x) == 0:
-            raise PockmarkError(f"body[{index}] '{body.name}': spacing {body.spacing} m leaves it without points")
+            raise PockmarkError(
+                f"body[{index}] '{body.name}': spacing {body.spacing} m leaves it without points"
+            )
         volume = body.spacing**3
         velocity = scene.impact.velocity if body.projectile else (0.0, 0.0, 0.0)
         positions.append(x)

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from . import __version__, measure
+from . import __version__, results
+from .crater import Crater
 from .errors import PockmarkError
 from .plots import history_figure, slice_figure
 from .points import lattice
@@ -60,7 +61,9 @@ def _manifest(simulation: Simulation, status: str, started: str) -> dict[str, An
         "options": scene.numerics.model_dump(),
         "failure_treatment": treatments(scene),
         "run": {
-            "points": simulation.points + simulation.counters()["left_points"] + simulation.counters()["lost_points"],
+            "points": simulation.points
+            + simulation.counters()["left_points"]
+            + simulation.counters()["lost_points"],
             "cells": scene.grid.cell_count,
             "steps": simulation.steps,
             "time": simulation.time,
@@ -94,7 +97,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         "precision": numerics["precision"],
         "status": manifest["status"],
     }
-    return measure.result_table(
+    return results.result_table(
         _crater(folder, scene), _projectile_diameter(scene), manifest["ledger"], run, manifest["counters"]
     )
 
@@ -125,10 +128,10 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     return [target / name for name in figures]
 
 
-def _crater(folder: RunFolder, scene: Scene) -> measure.Crater | None:
+def _crater(folder: RunFolder, scene: Scene) -> Crater | None:
     if not scene.targets:
         return None
-    return measure.crater_of(
+    return results.crater_of(
         folder.last_snapshot(), target_bodies=scene.targets, spacing=_target_spacing(scene), half=scene.half
     )
 
@@ -192,7 +195,9 @@ def warnings(scene: Scene) -> list[str]:
             out.append(f"body[{i}] '{body.name}': fewer than 4 points across the sphere")
         per_cell = scene.grid.cell / body.spacing
         if per_cell < 2:
-            out.append(f"body[{i}] '{body.name}': {per_cell:.2g} points a cell along an axis; 2 is the usual least")
+            out.append(
+                f"body[{i}] '{body.name}': {per_cell:.2g} points a cell along an axis; 2 is the usual least"
+            )
         if not body.projectile:
             continue
         diameter = upper[2] - lower[2]

@@ -31,9 +31,7 @@ class Grid(Model):
     @property
     def cells(self) -> tuple[int, int, int]:
         """Number of cells along x, y, z."""
-        x, y, z = (
-            math.ceil((u - w) / self.cell - 1e-9) for w, u in zip(self.lower, self.upper, strict=True)
-        )
+        x, y, z = (math.ceil((u - w) / self.cell - 1e-9) for w, u in zip(self.lower, self.upper, strict=True))
         return x, y, z
 
     @property
@@ -210,7 +208,11 @@ class Scene(Model):
             beyond = upper[axis] - limit if is_upper else limit - lower[axis]
             if beyond <= tolerance:
                 continue
-            if kind == "symmetry" and isinstance(body, Sphere) and abs(body.center[axis] - limit) <= tolerance:
+            if (
+                kind == "symmetry"
+                and isinstance(body, Sphere)
+                and abs(body.center[axis] - limit) <= tolerance
+            ):
                 continue
             raise ValueError(f"{key}: reaches {beyond * 1e6:.4g} um outside the grid's face {face}")
 
@@ -277,15 +279,14 @@ def _overlap(a: Block | Sphere, b: Block | Sphere) -> bool:
         return math.dist(a.center, b.center) < (a.radius + b.radius) * (1 - 1e-9)
     if isinstance(a, Block) and isinstance(b, Block):
         gaps = [
-            max(al, bl) - min(au, bu) for al, au, bl, bu in zip(a.lower, a.upper, b.lower, b.upper, strict=True)
+            max(al, bl) - min(au, bu)
+            for al, au, bl, bu in zip(a.lower, a.upper, b.lower, b.upper, strict=True)
         ]
         return max(gaps) < -1e-9 * max(a.spacing, b.spacing)
     sphere, block = (a, b) if isinstance(a, Sphere) else (b, a)
     assert isinstance(sphere, Sphere)
     assert isinstance(block, Block)
-    nearest = [
-        min(max(c, w), u) for c, w, u in zip(sphere.center, block.lower, block.upper, strict=True)
-    ]
+    nearest = [min(max(c, w), u) for c, w, u in zip(sphere.center, block.lower, block.upper, strict=True)]
     return math.dist(nearest, sphere.center) < sphere.radius * (1 - 1e-9)
 
 
@@ -311,7 +312,7 @@ def _key(location: tuple[int | str, ...]) -> str:
     for i, part in enumerate(location):
         if isinstance(part, int):
             out += f"[{part}]"
-        elif not (part in tags and 0 < i):
+        elif not (part in tags and i > 0):
             out += f".{part}" if out else part
     return out
 

@@ -24,8 +24,7 @@ def to_si(value: Any, unit: str) -> float:
     if not isinstance(value, str):
         raise ValueError(f"found {value!r}, expected a number or a text like '20 {unit}'")
     try:
-        quantity = _registry().Quantity(value)
-        # Through base units, so that an exact text such as "20 um" always gives the same float.
+        quantity: Any = _registry().Quantity(value)
         return float(quantity.to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError:
         raise ValueError(f"found '{value}', expected a quantity in {unit or 'no unit'}") from None

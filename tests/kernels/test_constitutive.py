@@ -6,9 +6,10 @@ of failure strains that are not positive. Documented choice: gamma stays gamma0 
 """
 
 import numpy as np
-import pockmark._core as core
 import pytest
 from scipy.optimize import brentq
+
+import pockmark._core as core
 
 RHO, C0, S, GAMMA0 = 2770.0, 5330.0, 1.34, 2.0
 G = 27.44e9
@@ -66,7 +67,9 @@ def flow_stress(eps, rate, T, jc):
 def failure_strain(triaxiality, rate, T, d):
     star = np.clip((T - T_ROOM) / (T_MELT - T_ROOM), 0, 1)
     with np.errstate(over="ignore"):
-        return (d[0] + d[1] * np.exp(d[2] * triaxiality)) * (1 + d[3] * np.log(max(rate, 1))) * (1 + d[4] * star)
+        return (
+            (d[0] + d[1] * np.exp(d[2] * triaxiality)) * (1 + d[3] * np.log(max(rate, 1))) * (1 + d[4] * star)
+        )
 
 
 def tensor(v):
@@ -101,10 +104,17 @@ def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D):
         s = R @ s @ R.T + 2 * shear * DT * (rate - np.trace(rate) / 3 * one)
         trial = von_mises(s)
         if jc is not None and trial > flow_stress(eps, 0, temperature, jc):
-            increment = brentq(
-                lambda x: trial - 3 * shear * x - flow_stress(eps + x, x / DT, temperature, jc),
-                0, trial / (3 * shear), xtol=1e-25, rtol=1e-15,
-            ) if softening(temperature, jc["m"]) > 0 else trial / (3 * shear)
+            increment = (
+                brentq(
+                    lambda x: trial - 3 * shear * x - flow_stress(eps + x, x / DT, temperature, jc),
+                    0,
+                    trial / (3 * shear),
+                    xtol=1e-25,
+                    rtol=1e-15,
+                )
+                if softening(temperature, jc["m"]) > 0
+                else trial / (3 * shear)
+            )
             flow = trial - 3 * shear * increment
             s = s * (flow / trial)
             eps += increment
@@ -190,8 +200,15 @@ def compare(got, want, states, gradients, shear):
 
 def build(eos, strength, failure):
     return core.Material(
-        eos=eos, strength=strength, failure=failure, specific_heat=CP, taylor_quinney=CHI, t_room=T_ROOM,
-        t_melt=T_MELT, q_quadratic=Q2, q_linear=Q1,
+        eos=eos,
+        strength=strength,
+        failure=failure,
+        specific_heat=CP,
+        taylor_quinney=CHI,
+        t_room=T_ROOM,
+        t_melt=T_MELT,
+        q_quadratic=Q2,
+        q_linear=Q1,
     )
 
 
@@ -201,19 +218,27 @@ def johnson_cook(**changed):
 
 def failure_model(treatment, d=D):
     return core.JohnsonCookFailure(
-        *d, reference_rate=1.0, t_room=T_ROOM, t_melt=T_MELT, m=1.0,
-        treatment=getattr(core.FailureTreatment, treatment), floor=FLOOR,
-        triaxiality_min=CLAMP[0], triaxiality_max=CLAMP[1],
+        *d,
+        reference_rate=1.0,
+        t_room=T_ROOM,
+        t_melt=T_MELT,
+        m=1.0,
+        treatment=getattr(core.FailureTreatment, treatment),
+        floor=FLOOR,
+        triaxiality_min=CLAMP[0],
+        triaxiality_max=CLAMP[1],
     )
 
 
 def check(name, material, *, eos, shear, jc, treatment, d=D, n=400, seed=1):
     states, gradients = random_states(n, seed)
     got = core.update_stress(material, states, gradients, RHO * V0, CELL, DT)
-    want = np.array([
-        reference_update(s, g, RHO * V0, eos=eos, shear=shear, jc=jc, treatment=treatment, d=d)
-        for s, g in zip(states, gradients, strict=True)
-    ])
+    want = np.array(
+        [
+            reference_update(s, g, RHO * V0, eos=eos, shear=shear, jc=jc, treatment=treatment, d=d)
+            for s, g in zip(states, gradients, strict=True)
+        ]
+    )
     assert np.isfinite(want).all()
     worst = compare(got, want, states, gradients, shear)
     row, column = np.unravel_index(worst.argmax(), worst.shape)
@@ -227,8 +252,13 @@ def check(name, material, *, eos, shear, jc, treatment, d=D, n=400, seed=1):
 def test_johnson_cook_and_mie_gruneisen(treatment, d):
     failure = core.NoFailure() if treatment is None else failure_model(treatment, d)
     states, want = check(
-        f"{treatment}", build(core.MieGruneisen(RHO, C0, S, GAMMA0), johnson_cook(), failure),
-        eos=mie_gruneisen, shear=G, jc=JC, treatment=treatment, d=d,
+        f"{treatment}",
+        build(core.MieGruneisen(RHO, C0, S, GAMMA0), johnson_cook(), failure),
+        eos=mie_gruneisen,
+        shear=G,
+        jc=JC,
+        treatment=treatment,
+        d=d,
     )
     # The draw has what it is meant to have.
     yielded = want[:, 4] > states[:, 4]
@@ -237,18 +267,27 @@ def test_johnson_cook_and_mie_gruneisen(treatment, d):
     assert (want[:, 2] < 0).sum() > 20
     if treatment:
         fresh = (states[:, 6] < 1) & (want[:, 6] >= 1)
-        print(f"{treatment}: {yielded.sum()} yield, {fresh.sum()} fail now, {(want[:, 2] < 0).sum()} in tension")
+        print(
+            f"{treatment}: {yielded.sum()} yield, {fresh.sum()} fail now, {(want[:, 2] < 0).sum()} in tension"
+        )
         assert fresh.sum() > 5
         assert (want[want[:, 6] >= 1, 2] >= 0).all()
     if treatment == "signed":
         assert (want[:, 6] < states[:, 6]).any()
 
 
-@pytest.mark.parametrize("changed", [{"m": 1.7}, {"C": 0.0}, {"B": 0.0}, {"n": 0.73}, {"reference_rate": 1e6}])
+@pytest.mark.parametrize(
+    "changed", [{"m": 1.7}, {"C": 0.0}, {"B": 0.0}, {"n": 0.73}, {"reference_rate": 1e6}]
+)
 def test_other_constants(changed):
     check(
-        f"{changed}", build(core.MieGruneisen(RHO, C0, S, GAMMA0), johnson_cook(**changed), core.NoFailure()),
-        eos=mie_gruneisen, shear=G, jc={**JC, **changed}, treatment=None, seed=2,
+        f"{changed}",
+        build(core.MieGruneisen(RHO, C0, S, GAMMA0), johnson_cook(**changed), core.NoFailure()),
+        eos=mie_gruneisen,
+        shear=G,
+        jc={**JC, **changed},
+        treatment=None,
+        seed=2,
     )
 
 
@@ -262,10 +301,12 @@ def test_elastic_fluid_and_linear_eos():
     states, gradients = random_states(400, 4)
     states[:, 7:] = 0
     got = core.update_stress(build(gruneisen, core.Fluid(), no), states, gradients, RHO * V0, CELL, DT)
-    want = np.array([
-        reference_update(s, g, RHO * V0, eos=mie_gruneisen, shear=0.0, jc=None, treatment=None)
-        for s, g in zip(states, gradients, strict=True)
-    ])
+    want = np.array(
+        [
+            reference_update(s, g, RHO * V0, eos=mie_gruneisen, shear=0.0, jc=None, treatment=None)
+            for s, g in zip(states, gradients, strict=True)
+        ]
+    )
     worst = compare(got, want, states, gradients, 0.0).max()
     print(f"fluid: largest relative difference {worst:.2e}")
     assert worst < TOLERANCE
@@ -281,7 +322,11 @@ def test_the_eos_reproduces_the_hugoniot(up):
     states[0, 5] = T_ROOM
     got = core.update_stress(
         build(core.MieGruneisen(RHO, C0, S, GAMMA0), core.Fluid(), core.NoFailure()),
-        states, np.zeros((1, 9)), RHO * V0, CELL, DT,
+        states,
+        np.zeros((1, 9)),
+        RHO * V0,
+        CELL,
+        DT,
     )[0, 2]
     difference = abs(got / (RHO * us * up) - 1)
     print(f"up = {up} m/s: p = {got:.9e} Pa, relative difference {difference:.1e}")
@@ -294,7 +339,11 @@ def test_the_eos_is_continuous_at_zero_compression():
     states[:, 1], states[:, 5] = 1e9, T_ROOM
     got = core.update_stress(
         build(core.MieGruneisen(RHO, C0, S, GAMMA0), core.Fluid(), core.NoFailure()),
-        states, np.zeros((2, 9)), RHO * V0, CELL, DT,
+        states,
+        np.zeros((2, 9)),
+        RHO * V0,
+        CELL,
+        DT,
     )
     jump = (got[0, 2] - got[1, 2]) / (RHO * C0**2 * 2e-9)
     print(f"slope across mu = 0: {jump:.6f} of K + gamma0 E terms")
@@ -320,7 +369,16 @@ def test_flow_stress_against_the_closed_form():
 def test_failure_strain_against_table_and_closed_form():
     model = failure_model("no_damage")
     # reading.md, section 1: to the four digits printed there.
-    table = {-3: 5.1691, -1: 1.55, -1 / 3: 0.9259, 0: 0.68, 1 / 3: 0.4697, 1: 0.1363, 1.35: -0.0012, 2: -0.2036}
+    table = {
+        -3: 5.1691,
+        -1: 1.55,
+        -1 / 3: 0.9259,
+        0: 0.68,
+        1 / 3: 0.4697,
+        1: 0.1363,
+        1.35: -0.0012,
+        2: -0.2036,
+    }
     off = max(abs(model.failure_strain(x, 1.0, T_ROOM) - want) for x, want in table.items())
     print(f"failure strain: largest difference from the table {off:.1e}")
     assert off < 0.51e-4

@@ -1,6 +1,7 @@
 """Small builders that the verification tests share."""
 
 import numpy as np
+
 import pockmark._core as core
 
 THREADS = 1  # these are small: more threads only wait for each other
@@ -14,8 +15,15 @@ SHEAR = 73.0e9 / (2 * 1.33)
 
 def material(eos, strength, *, failure=None, q=(0.0, 0.0), t_melt=775.0, heating=1.0):
     return core.Material(
-        eos=eos, strength=strength, failure=failure or core.NoFailure(), specific_heat=875.0,
-        taylor_quinney=heating, t_room=293.0, t_melt=t_melt, q_quadratic=q[0], q_linear=q[1],
+        eos=eos,
+        strength=strength,
+        failure=failure or core.NoFailure(),
+        specific_heat=875.0,
+        taylor_quinney=heating,
+        t_room=293.0,
+        t_melt=t_melt,
+        q_quadratic=q[0],
+        q_linear=q[1],
     )
 
 
@@ -32,15 +40,27 @@ def paper_eos():
 def perfectly_plastic(shear, yield_stress):
     """Johnson-Cook without hardening, rate or heat."""
     return core.JohnsonCook(
-        shear_modulus=shear, A=yield_stress, B=0.0, n=1.0, C=0.0, m=1.0, reference_rate=1.0,
-        t_room=293.0, t_melt=1e9,
+        shear_modulus=shear,
+        A=yield_stress,
+        B=0.0,
+        n=1.0,
+        C=0.0,
+        m=1.0,
+        reference_rate=1.0,
+        t_room=293.0,
+        t_melt=1e9,
     )
 
 
 def options(scheme="usf", shape="trilinear", *, cfl=0.5, compatible=True, cutoff=0.0, pic=0.0):
     return core.Options(
-        scheme=getattr(core.Scheme, scheme), shape=getattr(core.ShapeFunction, shape),
-        compatible_energy=compatible, cfl=cfl, strain_limit=0.2, pic_fraction=pic, mass_cutoff=cutoff,
+        scheme=getattr(core.Scheme, scheme),
+        shape=getattr(core.ShapeFunction, shape),
+        compatible_energy=compatible,
+        cfl=cfl,
+        strain_limit=0.2,
+        pic_fraction=pic,
+        mass_cutoff=cutoff,
     )
 
 
@@ -55,15 +75,23 @@ def solver(lower, cell, cells, faces, materials, opts, bodies, *, threads=THREAD
     """bodies: (position, velocity, volume of a point, density, index of the material)."""
     kind = core.SolverSingle if single else core.Solver
     out = kind(
-        lower=tuple(float(x) for x in lower), cell=float(cell), cells=tuple(int(n) for n in cells),
-        faces=list(faces), materials=materials, options=opts, threads=threads,
+        lower=tuple(float(x) for x in lower),
+        cell=float(cell),
+        cells=tuple(int(n) for n in cells),
+        faces=list(faces),
+        materials=materials,
+        options=opts,
+        threads=threads,
     )
     for position, velocity, volume, density, body in bodies:
         n = len(position)
         v = np.ascontiguousarray(np.broadcast_to(velocity, (n, 3)), dtype=float)
         out.add_points(
-            position=np.ascontiguousarray(position), velocity=v, mass=np.full(n, density * volume),
-            volume=np.full(n, float(volume)), body=np.full(n, body, dtype=np.uint8),
+            position=np.ascontiguousarray(position),
+            velocity=v,
+            mass=np.full(n, density * volume),
+            volume=np.full(n, float(volume)),
+            body=np.full(n, body, dtype=np.uint8),
         )
     out.initialize()
     return out

@@ -7,18 +7,35 @@ the shocked material stands still: pressure, density and energy behind the shock
 from dataclasses import dataclass
 
 import numpy as np
-import pockmark._core as core
 import pytest
-from builders import C0, FREE, GAMMA0, RHO, SHEAR, SYMMETRY, S, by_id, lattice, material, options, paper_eos
-from builders import perfectly_plastic, solver
+from builders import (
+    C0,
+    FREE,
+    GAMMA0,
+    RHO,
+    SHEAR,
+    SYMMETRY,
+    S,
+    by_id,
+    lattice,
+    material,
+    options,
+    paper_eos,
+    perfectly_plastic,
+    solver,
+)
 from scipy.optimize import brentq
+
+import pockmark._core as core
 
 H = 1e-6
 SPEEDS = [700.0, 1000.0, 2200.0, 4500.0]
 # shared/reference-data.md: Us (m/s), P (GPa), rho (kg/m3).
 TABLE = {
-    700.0: (5799, 5.622130, 2947.92), 1000.0: (6000, 8.310000, 3021.818),
-    2200.0: (6804, 20.731788, 3304.187), 4500.0: (8345, 52.010213, 3792.560),
+    700.0: (5799, 5.622130, 2947.92),
+    1000.0: (6000, 8.310000, 3021.818),
+    2200.0: (6804, 20.731788, 3304.187),
+    4500.0: (8345, 52.010213, 3792.560),
 }
 YIELD = 265e6
 
@@ -37,9 +54,13 @@ class Column:
 def snapshot(s):
     x = by_id(s, "position")[:, 0]
     return Column(
-        x=x, stress=by_id(s, "pressure") - by_id(s, "deviator")[:, 0], pressure=by_id(s, "pressure"),
-        density=by_id(s, "mass") / by_id(s, "volume"), velocity=by_id(s, "velocity")[:, 0],
-        energy=by_id(s, "energy") / RHO, time=s.time,
+        x=x,
+        stress=by_id(s, "pressure") - by_id(s, "deviator")[:, 0],
+        pressure=by_id(s, "pressure"),
+        density=by_id(s, "mass") / by_id(s, "volume"),
+        velocity=by_id(s, "velocity")[:, 0],
+        energy=by_id(s, "energy") / RHO,
+        time=s.time,
     )
 
 
@@ -54,8 +75,14 @@ def impact(strength, v, times, *, half=260, opts=None, single=False, q=(1.5, 0.0
     left = right * [-1, 1, 1]
     volume = per_cell * H * H
     s = solver(
-        (-cells / 2 * H, 0, 0), H, (cells, 1, 1), [FREE, FREE] + [SYMMETRY] * 4, [mat], opts or options(),
-        [(right, (-v / 2, 0, 0), volume, RHO, 0), (left, (v / 2, 0, 0), volume, RHO, 0)], single=single,
+        (-cells / 2 * H, 0, 0),
+        H,
+        (cells, 1, 1),
+        [FREE, FREE] + [SYMMETRY] * 4,
+        [mat],
+        opts or options(),
+        [(right, (-v / 2, 0, 0), volume, RHO, 0), (left, (v / 2, 0, 0), volume, RHO, 0)],
+        single=single,
     )
     out = []
     for t in times:
@@ -98,10 +125,16 @@ def plateau(columns, level, up):
         volume.append(1 / c.density[here])
         energy.append(c.energy[here])
         momentum.append(c.velocity[here] * np.sign(c.x[here]))
-    stress, pressure, volume, energy, momentum = map(np.concatenate, (stress, pressure, volume, energy, momentum))
+    stress, pressure, volume, energy, momentum = map(
+        np.concatenate, (stress, pressure, volume, energy, momentum)
+    )
     return Plateau(
-        stress=np.average(stress, weights=volume), pressure=np.average(pressure, weights=volume),
-        density=1 / volume.mean(), energy=energy.mean(), velocity=momentum.mean(), shock_speed=speed,
+        stress=np.average(stress, weights=volume),
+        pressure=np.average(pressure, weights=volume),
+        density=1 / volume.mean(),
+        energy=energy.mean(),
+        velocity=momentum.mean(),
+        shock_speed=speed,
         ripple=pressure.std() / pressure.mean(),
     )
 
@@ -129,7 +162,9 @@ CASES = [
 def fluid_plateau(scheme, shape, cfl, single, v):
     us, gpa, rho = TABLE[v]
     up = v / 2
-    columns, s = impact(core.Fluid(), v, snapshots(us, up), opts=options(scheme, shape, cfl=cfl), single=single)
+    columns, s = impact(
+        core.Fluid(), v, snapshots(us, up), opts=options(scheme, shape, cfl=cfl), single=single
+    )
     got = plateau(columns, gpa * 0.5e9, up)
     print(
         f"{scheme} {shape} cfl {cfl}{' fp32' if single else ''} v = {v:.0f}: "
@@ -165,12 +200,16 @@ def test_usf_and_musl_err_in_proportion_to_the_step():
             got, _ = fluid_plateau(scheme, "quadratic", cfl, False, 4500.0)
             error[scheme, cfl] = got.density / TABLE[4500.0][2] - 1
         rate = np.log2(error[scheme, 0.5] / error[scheme, 0.25])
-        print(f"{scheme}: density off by {error[scheme, 0.5]:+.3%} at cfl 0.5, {error[scheme, 0.25]:+.3%} at 0.25: order {rate:.2f}")
+        print(
+            f"{scheme}: density off by {error[scheme, 0.5]:+.3%} at cfl 0.5, {error[scheme, 0.25]:+.3%} at 0.25: order {rate:.2f}"
+        )
         assert 0.7 < rate < 1.4  # 1, give or take the ringing (0.1 % of the density)
     assert error["usf", 0.5] > 0 > error["musl", 0.5]
 
 
-@pytest.mark.xfail(strict=True, reason="cell-crossing noise: without dissipation it outgrows the plateau, see ARCHITECTURE")
+@pytest.mark.xfail(
+    strict=True, reason="cell-crossing noise: without dissipation it outgrows the plateau, see ARCHITECTURE"
+)
 @pytest.mark.parametrize("scheme", ["usf", "musl"])
 def test_trilinear_usf_and_musl_hold_the_plateau(scheme):
     got, _ = fluid_plateau(scheme, "trilinear", 0.5, False, 4500.0)
@@ -210,6 +249,7 @@ def plastic_shock(yield_stress, up):
         def miss(us):
             stress, rho, energy = state(us, ahead)
             return eos(rho / RHO - 1, RHO * energy) + 2 / 3 * yield_stress - stress
+
         return brentq(miss, up + 0.6 * C0, 2.5 * C0)
 
     ahead = (0.0, 0.0, RHO, 0.0)
@@ -233,7 +273,9 @@ def test_hugoniot_of_a_perfectly_plastic_solid(v):
     us, stress, rho, energy, two_waves = plastic_shock(YIELD, up)
     assert two_waves == (v < 1500)
     # The elastic front runs at 6.5 km/s: enough material ahead of it.
-    columns, _ = impact(perfectly_plastic(SHEAR, YIELD), v, snapshots(us, up), half=320, opts=options(**ACCURATE), q=STIFF)
+    columns, _ = impact(
+        perfectly_plastic(SHEAR, YIELD), v, snapshots(us, up), half=320, opts=options(**ACCURATE), q=STIFF
+    )
     # Half way between what is ahead of the plastic front and what is behind it.
     level = (stress + (elastic_limit(YIELD)[0] if two_waves else 0)) / 2
     got = plateau(columns, level, up)
@@ -254,7 +296,15 @@ def test_hugoniot_of_the_papers_johnson_cook():
     v = 2200.0
     up = v / 2
     strength = core.JohnsonCook(
-        shear_modulus=SHEAR, A=265e6, B=426e6, n=0.34, C=0.015, m=1.0, reference_rate=1.0, t_room=293.0, t_melt=775.0
+        shear_modulus=SHEAR,
+        A=265e6,
+        B=426e6,
+        n=0.34,
+        C=0.015,
+        m=1.0,
+        reference_rate=1.0,
+        t_room=293.0,
+        t_melt=775.0,
     )
     columns, _ = impact(strength, v, snapshots(TABLE[v][0], up), half=320, opts=options(**ACCURATE))
     got = plateau(columns, TABLE[v][1] * 0.5e9, up)
@@ -270,7 +320,9 @@ def test_hugoniot_of_the_papers_johnson_cook():
     assert off(got.stress, TABLE[v][1] * 1e9) < 0.04
 
 
-@pytest.mark.parametrize(("scheme", "shape"), [("usf", "trilinear"), ("usf", "quadratic"), ("usavg", "quadratic")])
+@pytest.mark.parametrize(
+    ("scheme", "shape"), [("usf", "trilinear"), ("usf", "quadratic"), ("usavg", "quadratic")]
+)
 def test_elastic_precursor(scheme, shape):
     """HEL = Y (1 - nu)/(1 - 2 nu) with nu from the EOS's K = rho0 c0^2 and G; front at c_d."""
     yield_stress = 100e6  # small: the curvature of the EOS then adds < 0.5 %
@@ -284,7 +336,11 @@ def test_elastic_precursor(scheme, shape):
     v = 150.0  # up = 75 m/s, the precursor's own step is 12 m/s
     times = np.array([0.5, 0.9]) * half * H / c_d
     (early, late), _ = impact(
-        perfectly_plastic(SHEAR, yield_stress), v, times, half=half, opts=options(scheme, shape),
+        perfectly_plastic(SHEAR, yield_stress),
+        v,
+        times,
+        half=half,
+        opts=options(scheme, shape),
         q=STIFF,
     )
     x0, x1 = front(early, hel / 2), front(late, hel / 2)

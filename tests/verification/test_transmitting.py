@@ -83,8 +83,13 @@ def set_strain(s, strain, volume):
 @pytest.mark.parametrize("kind", ["P", "S"])
 @pytest.mark.parametrize(
     ("scheme", "shape", "single"),
-    [("usf", "trilinear", False), ("musl", "trilinear", False), ("usavg", "trilinear", False),
-     ("usf", "quadratic", False), ("usf", "trilinear", True)],
+    [
+        ("usf", "trilinear", False),
+        ("musl", "trilinear", False),
+        ("usavg", "trilinear", False),
+        ("usf", "quadratic", False),
+        ("usf", "trilinear", True),
+    ],
 )
 def test_normal_incidence(kind, scheme, shape, single):
     """A pulse of 20 cells' standard width 8 runs into the face: less than 1 % of its energy comes back."""
@@ -98,8 +103,16 @@ def test_normal_incidence(kind, scheme, shape, single):
     faces = [FREE, TRANSMITTING] + [SYMMETRY] * 4
     if kind == "S":  # sideways motion: let the lateral faces go, a column in pure shear has free sides in y
         faces = [FREE, TRANSMITTING, FREE, FREE, SYMMETRY, SYMMETRY]
-    s = solver((0, 0, 0), H, (n, 1, 1), faces, [material()], options(scheme, shape), [(points, v, volume, RHO, 0)],
-               single=single)
+    s = solver(
+        (0, 0, 0),
+        H,
+        (n, 1, 1),
+        faces,
+        [material()],
+        options(scheme, shape),
+        [(points, v, volume, RHO, 0)],
+        single=single,
+    )
     strain = np.zeros((2 * n, 6))
     strain[:, 0 if kind == "P" else 3] = -pulse / (1 if kind == "P" else 2)
     if kind == "P":
@@ -124,7 +137,9 @@ def packet(kind, theta, wavelength, long, wide, cells, centre):
     Built in Fourier space, so that every plane wave in it has the right polarisation.
     """
     nx, ny = 2 * cells[0], 2 * cells[1]
-    kx, ky = np.meshgrid(2 * np.pi * np.fft.fftfreq(nx, H / 2), 2 * np.pi * np.fft.fftfreq(ny, H / 2), indexing="ij")
+    kx, ky = np.meshgrid(
+        2 * np.pi * np.fft.fftfreq(nx, H / 2), 2 * np.pi * np.fft.fftfreq(ny, H / 2), indexing="ij"
+    )
     k = np.hypot(kx, ky)
     k[0, 0] = 1
     along = kx * np.cos(theta) + ky * np.sin(theta)
@@ -169,8 +184,16 @@ def test_oblique_incidence(degrees, kind, wavelength, long, wide, atol, rtol, sh
     points = lattice((0, 0, 0), (2 * cells[0], 2 * cells[1], 1), (H / 2, H / 2, H))
     volume = H**3 / 4
     faces = [FREE, TRANSMITTING, FREE, FREE, SYMMETRY, SYMMETRY]
-    s = solver((0, 0, 0), H, (*cells, 1), faces, [material()], options("usf", shape, cfl=0.6),
-               [(points, v, volume, RHO, 0)], threads=2)
+    s = solver(
+        (0, 0, 0),
+        H,
+        (*cells, 1),
+        faces,
+        [material()],
+        options("usf", shape, cfl=0.6),
+        [(points, v, volume, RHO, 0)],
+        threads=2,
+    )
     set_strain(s, strain, volume)
     initial = s.ledger()["kinetic"] + strain_energy(s, volume)
     s.advance(10**6, 2 * path * H / c)
@@ -212,8 +235,15 @@ def test_areas_of_edges_and_corners(shape, filled, direction):
     v = TINY * CD * np.array(direction, dtype=float)
     points = lattice((0, 0, 0), [2 * n for n in filled], H / 2)
     volume = H**3 / 8
-    s = solver((0, 0, 0), H, (cells,) * 3, [TRANSMITTING, FREE] * 3, [material()], options("usf", shape),
-               [(points, v, volume, RHO, 0)])
+    s = solver(
+        (0, 0, 0),
+        H,
+        (cells,) * 3,
+        [TRANSMITTING, FREE] * 3,
+        [material()],
+        options("usf", shape),
+        [(points, v, volume, RHO, 0)],
+    )
     area = np.array([filled[1] * filled[2], filled[0] * filled[2], filled[0] * filled[1]]) * H**2
     impedance = np.array([sum(area[b] * RHO * (CD if a == b else CS) for b in range(3)) for a in range(3)])
     before = by_id(s, "velocity")

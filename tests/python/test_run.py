@@ -1,0 +1,164 @@
+"""From a scene to a measured run folder, through Python and the command line."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pockmark import PockmarkError, Scene, Simulation, measure
+from pockmark.run import forecast, run_scene
+from pockmark.store import RunFolder, read_snapshot
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+QUICK = EXAMPLES / "quick.toml"
+
+
+def pockmark(*arguments, **kwargs):
+    return subprocess.run(
+        [sys.executable, "-m", "pockmark", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+        **kwargs,
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """One finished quick run, made by the command line."""
+    path = tmp_path_factory.mktemp("runs") / "quick"
+    done = pockmark("run", QUICK, "-o", path, "--threads", 2)
+    print(done.stdout)
+    assert done.returncode == 0, done.stderr
+    return path
+
+
+def test_the_run_folder_is_complete(folder):
+    names = {p.name for p in folder.iterdir()}
+    assert {"scene.toml", "manifest.json", "history.csv", "crater.png", "history.png"} <= names
+    assert len(RunFolder.open(folder).snapshots()) == 4
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert manifest["status"] == "finished"
+    assert manifest["scene_hash"] == Scene.load(QUICK).hash
+    assert manifest["machine"]["processor"]
+
+
+def test_measure_has_stable_keys_in_si(folder):
+    done = pockmark("measure", folder, "--json")
+    result = json.loads(done.stdout)
+    print(done.stdout)
+    assert 5e-6 < result["crater"]["depth"] < 25e-6
+    assert 10e-6 < result["crater"]["diameter"] < 60e-6
+    assert result["crater"]["volume"] > 0
+    assert 0.7 < result["energy"]["residual_internal"] < 1.0
+    assert abs(result["energy"]["ledger_error"]) < 0.01
+    for key in ("points", "cells", "steps", "particle_steps_per_second"):
+        assert result["run"][key] > 0
+    assert result["run"]["failure_treatment"] == "al2024-liu2015: no_damage"
+    assert measure(folder) == result
+
+
+def test_history_closes_its_ledger(folder):
+    history = RunFolder.open(folder).history()
+    total = sum(
+        history[k] for k in ("kinetic", "internal", "absorbed", "left_kinetic", "left_internal", "pic")
+    )
+    assert np.allclose(total - history["initial"], history["error"], atol=1e-9 * history["initial"][0])
+    assert np.all(np.diff(history["time"]) > 0)
+    assert history["time"][-1] == Scene.load(QUICK).end_time
+
+
+def test_vtk_reads_a_snapshot(folder):
+    vtk_io = pytest.importorskip("vtkmodules.vtkIOHDF")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    path = RunFolder.open(folder).snapshots()[-1]
+    reader = vtk_io.vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.Update()
+    grid, ours = reader.GetOutput(), read_snapshot(path)
+    assert grid.GetNumberOfPoints() == grid.GetNumberOfCells() == len(ours["mass"])
+    assert np.array_equal(vtk_to_numpy(grid.GetPoints().GetData()), ours["position"])
+    for name in ("pressure", "deviator", "effective_stress", "body", "damage"):
+        assert np.array_equal(vtk_to_numpy(grid.GetPointData().GetArray(name)), ours[name])
+
+
+def test_check_tells_the_size_before_anything_runs():
+    done = pockmark("check", EXAMPLES / "normal-2200.toml")
+    print(done.stdout)
+    assert done.returncode == 0
+    assert "252,112" in done.stdout
+    assert "47,500" in done.stdout
+    assert "1.3467" in done.stdout  # the triaxiality above which the paper's failure strain is <= 0
+
+
+def test_forecast_warns():
+    scene = Scene.load(QUICK, ["grid.cell='2.5 um'"])
+    text = " ".join(forecast(scene, 1).warnings)
+    assert "1 points a cell" in text
+    coarse = Scene.load(EXAMPLES / "group-4500.toml").to_dict()
+    coarse["body"][1]["spacing"] = 5e-6
+    assert any("fewer than 4 points" in w for w in forecast(Scene.from_dict(coarse), 1).warnings)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["run", "nowhere.toml"], "nowhere.toml: cannot be read"),
+        (["run", QUICK, "--set", "grid.cell='1 kg'"], "grid.cell: found '1 kg', expected a quantity in m"),
+        (["run", QUICK, "-o", "{taken}"], "is not empty and holds no run"),
+        (["measure", "{taken}"], "is not a run folder"),
+        (["plot", "{taken}"], "is not a run folder"),
+        (["check", QUICK, "--set", "body.0=1"], "body"),
+    ],
+)
+def test_bad_input_is_one_sentence_and_exit_code_2(arguments, sentence, tmp_path):
+    taken = tmp_path / "taken"
+    taken.mkdir()
+    (taken / "mine.txt").write_text("mine")
+    done = pockmark(*(str(a).format(taken=taken) for a in arguments), cwd=tmp_path)
+    print(done.stderr)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["taken"]
+    assert (taken / "mine.txt").read_text() == "mine"
+
+
+def test_a_run_is_not_overwritten_unasked(folder):
+    scene = Scene.load(QUICK)
+    with pytest.raises(PockmarkError, match="--force"):
+        run_scene(scene, folder, progress=False)
+
+
+def test_an_interrupted_run_keeps_what_there_is(tmp_path, monkeypatch):
+    calls = iter(range(1000))
+    original = Simulation.advance
+
+    def advance(self, *args, **kwargs):
+        if next(calls) == 3:
+            raise KeyboardInterrupt
+        return original(self, *args, **kwargs)
+
+    monkeypatch.setattr(Simulation, "advance", advance)
+    folder, finished = run_scene(Scene.load(QUICK), tmp_path / "cut", progress=False)
+    assert not finished
+    assert folder.manifest()["status"] == "interrupted"
+    result = measure(folder.path)
+    assert 0 < result["run"]["time"] < 60e-9
+    assert len(folder.snapshots()) == 2
+
+
+def test_python_and_toml_give_the_identical_run(tmp_path):
+    scene = Scene.load(QUICK, ["end_time='5 ns'"])
+    scene.save(tmp_path / "again.toml")
+    runs = []
+    for s in (scene, Scene.load(tmp_path / "again.toml")):
+        simulation = Simulation(s, threads=1)
+        simulation.run()
+        runs.append(simulation.snapshot())
+    assert all(np.array_equal(runs[0][k], runs[1][k]) for k in runs[0])

@@ -1,0 +1,145 @@
+"""Scenes: round trip, the paper's point counts, and one clear sentence for each mistake."""
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pockmark import PockmarkError, Scene
+from pockmark.materials import library
+from pockmark.points import lattice, make_points
+from pockmark.scene import Block, Sphere
+from pockmark.units import to_si
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+UM = 1e-6
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda p: p.stem)
+def test_a_saved_scene_is_the_same_scene(path, tmp_path):
+    scene = Scene.load(path)
+    scene.save(tmp_path / "again.toml")
+    assert Scene.load(tmp_path / "again.toml") == scene
+
+
+def test_model_1_is_the_papers():
+    scene = Scene.load(EXAMPLES / "normal-2200.toml")
+    points = make_points(scene)
+    print(f"model 1: {len(points.mass)} points, {scene.grid.cell_count} cells")
+    assert len(points.mass) == 252_112
+    assert scene.grid.cells == (50, 25, 38)
+    assert np.isclose(points.mass[points.body == 0].sum(), 2770 * 200e-6 * 100e-6 * 100e-6)
+
+
+def test_the_group_is_the_papers():
+    scene = Scene.load(EXAMPLES / "group-4500.toml")
+    assert len(make_points(scene).mass) == 267_408
+    assert scene.grid.cell_count == 47_500
+
+
+# Tables 2 and 3 of the paper: target points of models 1-3, and whole spheres of nx points a radius.
+@pytest.mark.parametrize(("h", "count"), [(2.0, 250_000), (1.5, 133 * 67 * 67), (1.0, 2_000_000)])
+def test_block_lattice(h, count):
+    block = Block(
+        shape="block",
+        name="t",
+        material="m",
+        spacing=h * UM,
+        lower=(-100 * UM, 0, -100 * UM),
+        upper=(100 * UM, 100 * UM, 0),
+    )
+    assert len(lattice(block)) == count
+
+
+@pytest.mark.parametrize(
+    ("nx", "count"), [(10, 4224), (13, 9328), (20, 33552), (8, 2176), (11, 5616), (16, 17256)]
+)
+def test_sphere_lattice(nx, count):
+    sphere = Sphere(
+        shape="sphere", name="p", material="m", spacing=UM, center=(0, 0, nx * UM), radius=nx * UM
+    )
+    assert len(lattice(sphere)) == count
+
+
+def test_units_are_exact_and_checked():
+    assert to_si("20 um", "m") == 20e-6
+    assert to_si("2.2 km/s", "m/s") == 2200.0
+    assert to_si("15 deg", "rad") == pytest.approx(np.pi / 12, rel=1e-15)
+    assert to_si(3, "m") == 3.0
+    with pytest.raises(ValueError, match="expected a quantity in m/s"):
+        to_si("2 km", "m/s")
+
+
+def test_every_library_material_is_valid_and_cited():
+    for name in library():
+        scene = Scene.load(EXAMPLES / "quick.toml", [f"body=[{_block(name)}]"])
+        assert len(scene.materials[name].source) > 20
+        scene.materials[name].to_core()
+
+
+def _block(material: str) -> str:
+    return (
+        f'{{name="b", shape="block", material="{material}", spacing=5e-6, '
+        "lower=[-5e-5,0.0,-5e-5], upper=[5e-5,5e-5,0.0]}"
+    )
+
+
+def test_a_library_material_can_be_overridden():
+    scene = Scene.load(EXAMPLES / "quick.toml", ["materials.al2024-liu2015.failure.treatment=signed"])
+    assert scene.materials["al2024-liu2015"].failure.treatment == "signed"
+    assert scene.materials["al2024-liu2015"].failure.D1 == -0.77
+
+
+MISTAKES = [
+    ("grid.cel='4 um'", "grid.cel: unknown key, did you mean 'cell'?"),
+    ("impact.speed='2 km'", "impact.speed: found '2 km', expected a quantity in m/s"),
+    ("impact.speed='fast'", "impact.speed: found 'fast', which is not a quantity"),
+    ("grid.cell='-4 um'", "grid.cell: found '-4 um', input should be greater than 0"),
+    ("grid.upper=['50 um', '50 um', '10 um']", "outside the grid's face z_upper"),
+    ("body=[]", "body: "),
+    ("numerics.scheme=mpm", "numerics.scheme: found 'mpm', input should be 'usf', 'musl', 'usl' or 'usavg'"),
+    ("end_time='0 s'", "end_time: found '0 s'"),
+    ("materials.x.based_on=unobtainium", "materials.x.based_on: found 'unobtainium'"),
+    ("nonsense", "--set nonsense: expected key=value"),
+    ("grid=3", "grid: found 3"),
+    ("materials.al2024-liu2015.eos.c0='5 kg'", "eos.c0: found '5 kg', expected a quantity in m/s"),
+]
+
+
+@pytest.mark.parametrize(("override", "sentence"), MISTAKES)
+def test_a_mistake_is_one_sentence_with_file_and_key(override, sentence):
+    path = EXAMPLES / "quick.toml"
+    with pytest.raises(PockmarkError) as caught:
+        Scene.load(path, [override])
+    message = str(caught.value)
+    print(message)
+    assert message.startswith(f"{path}: ")
+    assert sentence in message
+    assert "\n" not in message
+
+
+def test_missing_material_and_overlap_are_told():
+    text = (EXAMPLES / "quick.toml").read_text()
+    for old, new, sentence in [
+        ('material = "al2024-liu2015"\n\n', 'material = "cheese"\n\n', "material 'cheese' is neither"),
+        (
+            '"0 um", "0 um", "10 um"',
+            '"0 um", "0 um", "5 um"',
+            "body[1] 'projectile': overlaps body[0] 'target'",
+        ),
+        ('radius = "10 um"\n', "", "body[1].radius: is missing"),
+    ]:
+        changed = text.replace(old, new)
+        assert changed != text
+        with pytest.raises(PockmarkError, match="scene: ") as caught:
+            Scene.from_dict(tomllib.loads(changed))
+        assert sentence in str(caught.value)
+
+
+def test_unreadable_files_are_told(tmp_path):
+    with pytest.raises(PockmarkError, match="cannot be read"):
+        Scene.load(tmp_path / "none.toml")
+    (tmp_path / "bad.toml").write_text("a = = 1")
+    with pytest.raises(PockmarkError, match="is not TOML"):
+        Scene.load(tmp_path / "bad.toml")
