@@ -63,7 +63,7 @@ struct StressProbe {
   static nb::object run(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass, double cell,
                         double dt) {
     const auto material = spec.as<double>();
-    const StressUpdate<double> update{material, cell, dt, {0.5, 0.5}};
+    const StressUpdate<double> update{material, cell, dt, dt, 0.5, 0.5};
     const std::size_t n = states.size() / 13;
     if (gradients.size() != 9 * n) throw std::invalid_argument("gradients: nine numbers a state are needed");
     std::vector<double> out(14 * n);
@@ -110,6 +110,14 @@ nb::object get_field(const Solver<T>& solver, const std::string& name) {
   if (name == "id") return to_array(points.id, n, 1);
   const auto& info = field_named(name);
   std::vector<double> out(n * info.components);
+  if (info.field == Field::deviator) {
+    for (std::size_t p = 0; p < n; ++p) {
+      const auto s = solver.settled_deviator(p);
+      const double row[6] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
+      std::copy(row, row + 6, out.begin() + 6 * p);
+    }
+    return to_array(std::move(out), n, 6);
+  }
   for (int c = 0; c < info.components; ++c)
     for (std::size_t p = 0; p < n; ++p) out[p * info.components + c] = double(points.at(info.field, c)[p]);
   return to_array(std::move(out), n, info.components);

@@ -45,11 +45,6 @@ struct Material {
   PM_HD T shear_speed() const { return std::sqrt(shear_modulus() / density()); }
 };
 
-// Weights of sigma_old : D dt and sigma_new : D dt in the internal energy that the update pays.
-struct WorkShare {
-  double old_stress, new_stress;
-};
-
 // Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0.
 template <class T>
 PM_HD T stress_power(const PointState<T>& point, const Sym3<T>& rate, T reference_volume) {
@@ -57,16 +52,32 @@ PM_HD T stress_power(const PointState<T>& point, const Sym3<T>& rate, T referenc
          point.volume / reference_volume;
 }
 
+// Moves the point through a strain of duration dt under its old stress: pays the whole work of that stress,
+// takes the volume along, and leaves an elastic trial deviator for the StressUpdate that follows.
+template <class T>
+PM_HD void strain_elastically(const Material<T>& material, PointState<T>& point, const VelocityGradient<T>& L,
+                              T mass, T dt) {
+  point.energy += dt * stress_power(point, L.strain_rate, mass / material.density());
+  const T strain = trace(L.strain_rate) * dt;
+  point.volume *= (T(1) + strain / 2) / (T(1) - strain / 2);
+  if (point.damage >= T(1)) return;
+  point.deviator =
+      rotate(point.deviator, dt * L.spin) + (T(2) * material.shear_modulus() * dt) * deviator(L.strain_rate);
+}
+
 template <class T>
 struct StressUpdate {
   const Material<T>& material;
-  T cell, dt;
-  WorkShare share;
+  T cell;
+  T dt;                    // duration of the strain
+  T step;                  // duration of the whole step, for plastic strain rates
+  T old_share, new_share;  // weights of sigma_old : D and sigma_new : D in the energy paid here
 
   // Advances the point by dt under the velocity gradient `L`. Returns its sound speed (m/s).
   PM_HD T operator()(PointState<T>& point, const VelocityGradient<T>& L, T mass, Audit& audit) const {
     const T reference_volume = mass / material.density();
-    point.energy += T(share.old_stress) * dt * stress_power(point, L.strain_rate, reference_volume);
+    if (old_share > T(0))
+      point.energy += old_share * dt * stress_power(point, L.strain_rate, reference_volume);
 
     const T rate = trace(L.strain_rate), strain = rate * dt;
     point.volume *= (T(1) + strain / 2) / (T(1) - strain / 2);
@@ -88,7 +99,7 @@ struct StressUpdate {
     point.deviator = rotate(point.deviator, dt * L.spin) + (T(2) * g * dt) * deviator(L.strain_rate);
     const T trial = effective(point.deviator);
     const auto back = material.strength.visit(
-        [&](const auto& s) { return s.return_map(trial, point.plastic_strain, point.temperature, dt); });
+        [&](const auto& s) { return s.return_map(trial, point.plastic_strain, point.temperature, step); });
     if (!back.converged) audit.count(Counter::return_failures);
     const T increment = back.strain_increment;
     if (increment <= T(0)) return T(0);
@@ -118,7 +129,7 @@ struct StressUpdate {
                         (material.q_quadratic * cell * -rate + material.q_linear * std::sqrt(bulk_c2));
 
     // E1 = E + w (s:D' - (p1+q) tr D) V/V0 dt with p1 = cold + thermal E1, solved together.
-    const T weight = T(share.new_stress) * ratio;
+    const T weight = new_share * ratio;
     const T known =
         point.energy + weight * (dt * double_dot(point.deviator, strain_rate) - point.viscosity * strain);
     T p = (isochore.cold + isochore.thermal * known) / (T(1) + isochore.thermal * weight * strain);
@@ -135,7 +146,7 @@ struct StressUpdate {
     if (point.damage >= T(1) || plastic <= T(0)) return;
     const T flow = effective(point.deviator);
     const auto damage = material.failure.visit([&](const auto& f) {
-      return f.step(plastic, -point.pressure, flow, plastic / dt, point.temperature);
+      return f.step(plastic, -point.pressure, flow, plastic / step, point.temperature);
     });
     point.damage = std::max(point.damage + damage.increment, T(0));
     if (damage.treated) audit.count(Counter::failure_treatments);

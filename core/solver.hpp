@@ -102,6 +102,18 @@ class Solver {
     return l;
   }
 
+  // The deviator of a point with its trial part (see strain_elastically) returned to the yield surface.
+  Sym3<T> settled_deviator(std::size_t p) const {
+    const auto point = points_.load(p);
+    const T trial = effective(point.deviator);
+    if (trial <= T(0) || point.damage >= T(1)) return point.deviator;
+    const auto& m = materials_[points_.body[p]];
+    const T strain = m.strength.visit([&](const auto& law) {
+      return law.return_map(trial, point.plastic_strain, point.temperature, T(dt_)).strain_increment;
+    });
+    return ((trial - T(3) * m.shear_modulus() * strain) / trial) * point.deviator;
+  }
+
   Vec3<double> momentum() const {
     Vec3<double> sum;
     for (std::size_t p = 0; p < points_.size(); ++p) {
@@ -124,21 +136,20 @@ class Solver {
   template <class Shape>
   void step() {
     const Scheme scheme = options_.scheme;
-    const auto stress = [&](const std::vector<Quad<T>>& velocity, double dt, WorkShare share) {
-      timers_.time("stress", [&] { update_stress<Shape>(velocity, dt, share); });
+    const auto stress = [&](const std::vector<Quad<T>>& velocity) {
+      timers_.time("stress", [&] { update_stress<Shape>(velocity); });
     };
     timers_.time("clear", [&] { clear(); });
     timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                  // (1)
     timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before); });  // (2)
-    if (scheme == Scheme::usf) stress(grid_.before, dt_, {0.5, 0.5});                    // (3)
-    if (scheme == Scheme::usavg) stress(grid_.before, dt_ / 2, {0, 1});
-    timers_.time("forces", [&] { map_forces<Shape>(); });     // (4)
-    timers_.time("momentum", [&] { integrate_momentum(); });  // (5)
-    timers_.time("g2p", [&] { map_to_points<Shape>(); });     // (6)
+    if (scheme == Scheme::usf || scheme == Scheme::usavg) stress(grid_.before);          // (3)
+    timers_.time("forces", [&] { map_forces<Shape>(); });                                // (4)
+    timers_.time("momentum", [&] { integrate_momentum(); });                             // (5)
+    timers_.time("g2p", [&] { map_to_points<Shape>(); });                                // (6)
     if (scheme == Scheme::musl || scheme == Scheme::usavg) timers_.time("remap", [&] { remap<Shape>(); });
-    if (scheme == Scheme::musl) stress(grid_.remapped, dt_, {0.5, 0.5});
-    if (scheme == Scheme::usl) stress(grid_.after, dt_, {0.5, 0.5});
-    if (scheme == Scheme::usavg) stress(grid_.remapped, dt_ / 2, {1, 0});
+    if (scheme == Scheme::musl) stress(grid_.remapped);
+    if (scheme == Scheme::usl) stress(grid_.after);
+    if (scheme == Scheme::usavg) timers_.time("strain", [&] { strain<Shape>(); });
     timers_.time("move", [&] { move<Shape>(); });
     timers_.time("sort", [&] { locate<Shape>(cycle_ % steps_between_sorts == 0); });
     time_ = next_time_;  // (7)
@@ -186,7 +197,11 @@ class Solver {
   }
 
   template <class Shape>
-  void update_stress(const std::vector<Quad<T>>& velocity, double dt, WorkShare share) {
+  void update_stress(const std::vector<Quad<T>>& velocity) {
+    // USAVG strains by half a step here, pays it with the new stress, and by half after the forces
+    // (strain()).
+    const bool average = options_.scheme == Scheme::usavg;
+    const T dt = T(average ? dt_ / 2 : dt_), old_share = T(average ? 0 : 0.5);
     std::vector<Audit> audits(slabs_.count());
     slabs_.gather(points_, threads_, [&](int slab, const Run& run) {
       Patch<Shape, T> patch;
@@ -194,7 +209,8 @@ class Solver {
       for (std::size_t p = run.begin; p < run.end; ++p) {
         const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
         auto point = points_.load(p);
-        const StressUpdate<T> update{materials_[points_.body[p]], grid_.geometry.cell, T(dt), share};
+        const StressUpdate<T> update{
+            materials_[points_.body[p]], grid_.geometry.cell, dt, T(dt_), old_share, T(1) - old_share};
         const T c = update(point, gradient<Shape>(n, patch), points_.at(Field::mass)[p], audits[slab]);
         points_.store(p, point);
         const auto v = points_.vector(Field::velocity, p);
@@ -204,6 +220,21 @@ class Solver {
     extremes_ = {};
     for (const auto& a : audits) extremes_.absorb(a);
     audit_.absorb(extremes_);
+  }
+
+  template <class Shape>
+  void strain() {
+    slabs_.gather(points_, threads_, [&](int, const Run& run) {
+      Patch<Shape, T> patch;
+      patch.load(grid_.geometry, run.base, grid_.remapped);
+      for (std::size_t p = run.begin; p < run.end; ++p) {
+        const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
+        auto point = points_.load(p);
+        strain_elastically(materials_[points_.body[p]], point, gradient<Shape>(n, patch),
+                           points_.at(Field::mass)[p], T(dt_ / 2));
+        points_.store_strained(p, point);
+      }
+    });
   }
 
   template <class Shape>

@@ -55,16 +55,20 @@ struct Particles {
             at(Field::plastic_strain)[p], at(Field::temperature)[p],
             at(Field::damage)[p],         deviator(p)};
   }
-  PM_HD void store(std::size_t p, const PointState<T>& s) {
+  // What a strain under a given stress changes.
+  PM_HD void store_strained(std::size_t p, const PointState<T>& s) {
     at(Field::volume)[p] = s.volume;
     at(Field::energy)[p] = s.energy;
+    const T d[6] = {s.deviator.xx, s.deviator.yy, s.deviator.zz, s.deviator.xy, s.deviator.yz, s.deviator.zx};
+    for (int c = 0; c < 6; ++c) at(Field::deviator, c)[p] = d[c];
+  }
+  PM_HD void store(std::size_t p, const PointState<T>& s) {
+    store_strained(p, s);
     at(Field::pressure)[p] = s.pressure;
     at(Field::viscosity)[p] = s.viscosity;
     at(Field::plastic_strain)[p] = s.plastic_strain;
     at(Field::temperature)[p] = s.temperature;
     at(Field::damage)[p] = s.damage;
-    const T d[6] = {s.deviator.xx, s.deviator.yy, s.deviator.zz, s.deviator.xy, s.deviator.yz, s.deviator.zx};
-    for (int c = 0; c < 6; ++c) at(Field::deviator, c)[p] = d[c];
   }
   // Cauchy stress with the bulk viscosity: what the nodes feel.
   PM_HD Sym3<T> stress(std::size_t p) const {

@@ -1,6 +1,6 @@
 """The crater as a surface: from the target's points to a height map, and from it depth, diameter and volume.
 
-The target's volume fraction is laid on a grid of its own point spacing with quadratic B-splines; solid is where it
+The target's volume fraction is laid on a grid of its own point spacing with linear tents; solid is where it
 exceeds one half. Only the largest connected piece of solid counts as target: ejecta and fragments drop out, the
 projectile's material that lines the crater was never in. In each column the surface is the highest crossing of one
 half of that piece, interpolated between grid points.
@@ -18,11 +18,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Surface:
-    """Height (nx, ny) of the target's surface over columns x (nx,), y (ny,); m. Half models are mirrored to full ones."""
+    """The target on a grid x (nx,), y (ny,), z (nz,) m: volume fraction (nx, ny, nz) of its connected piece, height
+    (nx, ny) m of its surface, nan in empty columns. Half models are mirrored to full ones."""
 
     x: Array
     y: Array
+    z: Array
+    fraction: Array
     height: Array
+
+    def slice(self, z: float) -> Array:
+        """Volume fraction (nx, ny) at height z (m), interpolated."""
+        k = int(np.clip(np.searchsorted(self.z, z) - 1, 0, len(self.z) - 2))
+        part = (z - self.z[k]) / (self.z[k + 1] - self.z[k])
+        return np.asarray((1 - part) * self.fraction[:, :, k] + part * self.fraction[:, :, k + 1])
 
 
 @dataclass(frozen=True)
@@ -45,26 +54,24 @@ def target_surface(position: Array, volume: Array, spacing: float, *, half: bool
         position = np.concatenate([position, position[near] * (1.0, -1.0, 1.0)])
         volume = np.concatenate([volume, volume[near]])
     lower = np.floor(position.min(axis=0) / spacing) * spacing - 2 * spacing
-    fraction = _volume_fraction(position, volume, lower, spacing)
-    height = _height(_largest_piece(fraction), lower[2], spacing)
-    x, y = (lower[a] + (np.arange(fraction.shape[a]) + 0.5) * spacing for a in (0, 1))
+    fraction = _largest_piece(_volume_fraction(position, volume, lower, spacing))
+    x, y, z = (lower[a] + (np.arange(fraction.shape[a]) + 0.5) * spacing for a in range(3))
     if half:
         kept = y > 0
-        y, height = y[kept], height[:, kept]
-        y, height = np.concatenate([-y[::-1], y]), np.concatenate([height[:, ::-1], height], axis=1)
-    return Surface(x, y, height)
+        y, fraction = y[kept], fraction[:, kept]
+        y, fraction = np.concatenate([-y[::-1], y]), np.concatenate([fraction[:, ::-1], fraction], axis=1)
+    return Surface(x, y, z, fraction, _height(fraction, z))
 
 
 def _volume_fraction(position: Array, volume: Array, lower: Array, spacing: float) -> Array:
     """Volume fraction at the centres lower + (i + 1/2) spacing."""
     local = (position - lower) / spacing - 0.5
-    base = np.round(local).astype(np.int64) - 1
-    shape = tuple(base.max(axis=0) + 5)
-    f = local - base
-    weights = np.stack([0.5 * (1.5 - f) ** 2, 0.75 - (f - 1.0) ** 2, 0.5 * (f - 0.5) ** 2])
+    base = np.floor(local).astype(np.int64)
+    shape = tuple(base.max(axis=0) + 4)
+    weights = np.stack([1.0 - (local - base), local - base])
     share = volume / spacing**3
     out = np.zeros(int(np.prod(shape)))
-    for i, j, k in np.ndindex(3, 3, 3):
+    for i, j, k in np.ndindex(2, 2, 2):
         node = np.ravel_multi_index((base[:, 0] + i, base[:, 1] + j, base[:, 2] + k), shape)
         out += np.bincount(
             node, share * weights[i, :, 0] * weights[j, :, 1] * weights[k, :, 2], minlength=out.size
@@ -82,7 +89,7 @@ def _largest_piece(fraction: Array) -> Array:
     return np.where(others, 0.0, fraction)
 
 
-def _height(fraction: Array, z0: float, spacing: float) -> Array:
+def _height(fraction: Array, z: Array) -> Array:
     """Highest crossing of one half in each column; nan where there is none."""
     solid = fraction > 0.5
     top = solid.shape[2] - 1 - np.argmax(solid[:, :, ::-1], axis=2)
@@ -90,7 +97,7 @@ def _height(fraction: Array, z0: float, spacing: float) -> Array:
     inside, outside = fraction[i, j, top], fraction[i, j, np.minimum(top + 1, solid.shape[2] - 1)]
     with np.errstate(divide="ignore", invalid="ignore"):
         part = (inside - 0.5) / (inside - outside)
-    height = z0 + (top + 0.5 + part) * spacing
+    height = z[top] + part * (z[1] - z[0])
     return np.where(solid.any(axis=2), height, np.nan)
 
 
@@ -98,7 +105,9 @@ def measure_crater(surface: Surface, *, spacing: float) -> Crater | None:
     """Measure the crater that holds the deepest point; None if nothing is deeper than half a spacing.
 
     C_p is the vertex of a paraboloid fitted to the columns within three spacings of the deepest one, so that no single
-    noisy column decides. The pithead is the contour at a tenth of a spacing below z = 0 around it.
+    noisy column decides. The tents round an edge within a spacing of it, so the pithead's area is extrapolated to z = 0
+    (linearly, as of a paraboloid) from the slices one and two spacings below; for a crater shallower than three
+    spacings it is that of the slice half a spacing below.
     """
     height = np.where(np.isnan(surface.height), 0.0, surface.height)
     inner = _without_edges(height)
@@ -107,12 +116,16 @@ def measure_crater(surface: Surface, *, spacing: float) -> Crater | None:
     depth = -_bottom(surface, inner, i, j, 3 * spacing)
     if depth < 0.5 * spacing:
         return None
-    level = -0.1 * spacing
-    area = _enclosing_area(inner, i, j, level) * spacing**2
-    labels, _ = ndimage.label(inner < level)
+
+    def area(level: float) -> float:
+        return _enclosing_area(surface.slice(level * spacing), i, j) * spacing**2
+
+    pithead = area(-0.5) if depth < 3 * spacing else 2 * area(-1.0) - area(-2.0)
+    labels, _ = ndimage.label(inner < -0.1 * spacing)
     inside = labels == labels[i, j]
     volume = float(-inner[inside].sum()) * spacing**2
-    return Crater(depth, float(2 * np.sqrt(area / np.pi)), volume, (float(surface.x[i]), float(surface.y[j])))
+    diameter = 2 * float(np.sqrt(pithead / np.pi))
+    return Crater(depth, diameter, volume, (float(surface.x[i]), float(surface.y[j])))
 
 
 def _without_edges(height: Array, margin: int = 5) -> Array:
@@ -138,14 +151,15 @@ def _bottom(surface: Surface, height: Array, i: int, j: int, radius: float) -> f
     return float(height[i, j])
 
 
-def _enclosing_area(height: Array, i: int, j: int, level: float) -> float:
-    """Area (columns) inside the contour at `level` around column (i, j); the largest if none encloses it."""
+def _enclosing_area(fraction: Array, i: int, j: int) -> float:
+    """Area (columns) inside the contour of one half around column (i, j); the largest if none encloses it."""
     areas = []
-    for contour in find_contours(height, level):  # type: ignore[no-untyped-call]
+    for contour in find_contours(fraction, 0.5):  # type: ignore[no-untyped-call]
         u, v = contour[:, 0], contour[:, 1]
         area = 0.5 * abs(float(np.dot(u, np.roll(v, 1)) - np.dot(v, np.roll(u, 1))))
-        areas.append((_winds_around(u - i, v - j), area))
-    return max(areas)[1] if areas else 0.0
+        areas.append((_winds_around(u - i, v - j), -area))
+    # The block's own outline winds around too: the smallest contour that does is the crater's.
+    return -max(areas)[1] if areas else 0.0
 
 
 def _winds_around(u: Array, v: Array) -> bool:

@@ -59,8 +59,8 @@ def slice_figure(
         )
         axes.scatter(x[p], z[p], c="white", s=size[p], marker="s", edgecolors="black", linewidths=0.3)
         axes.axhline(0.0, color="black", linestyle=":", linewidth=0.8)
-        if unit:
-            figure.colorbar(drawn, ax=axes, label=unit)
+        # Every panel gets a bar, so that all are of one width; the first one's says nothing and is hidden.
+        figure.colorbar(drawn, ax=axes, label=unit).ax.set_visible(bool(unit))
         _mark_depth(axes, crater)
     panels[-1].set_xlabel("x (um)")
     return figure

@@ -1,5 +1,6 @@
 """The only door for units: "20 um", "2.2 km/s", "15 deg" in, SI floats inside."""
 
+from decimal import Decimal
 from functools import cache
 from typing import Annotated, Any
 
@@ -8,8 +9,9 @@ from pydantic import BeforeValidator
 
 
 @cache
-def _registry() -> pint.UnitRegistry[float]:
-    return pint.UnitRegistry()
+def _registry() -> pint.UnitRegistry[Any]:
+    # Decimal, so that "20 um" is the float 2e-05 itself and not a rounding of 20 times 1e-6.
+    return pint.UnitRegistry(non_int_type=Decimal)
 
 
 def to_si(value: Any, unit: str) -> float:
