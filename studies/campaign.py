@@ -3,9 +3,8 @@
 import argparse
 import csv
 import subprocess
-import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import pockmark
@@ -62,17 +61,22 @@ def row(name: str, scene: Scene, out: Path, threads: int | None) -> dict[str, ob
     return figures
 
 
-def write_table(path: Path, rows: Iterable[Mapping[str, object]]) -> None:
-    """Write a CSV headed by the command and version that made it."""
-    rows = list(rows)
-    keys = list(dict.fromkeys(k for r in rows for k in r))
+def keep(path: Path, figures: Mapping[str, object]) -> None:
+    """Put a row into a CSV table, in place of an older one of the same case, with the version that made it."""
     head = subprocess.run(
         ["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False
     ).stdout.strip()
-    command = " ".join([Path(sys.argv[0]).resolve().relative_to(ROOT).as_posix(), *sys.argv[1:]])
+    new = {k: str(v) for k, v in figures.items()} | {"version": pockmark.__version__, "commit": head}
+    rows: list[dict[str, str]] = []
+    if path.exists():
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+    cases = [r["case"] for r in rows]
+    if new["case"] in cases:
+        rows[cases.index(new["case"])] = new
+    else:
+        rows.append(new)
     with path.open("w", newline="", encoding="utf-8") as file:
-        file.write(f"# pockmark {pockmark.__version__}, commit {head}: python {command}\n")
-        writer = csv.DictWriter(file, keys)
+        writer = csv.DictWriter(file, list(dict.fromkeys(k for r in rows for k in r)), restval="")
         writer.writeheader()
         writer.writerows(rows)
-    print(f"wrote {path}")

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from campaign import ROOT, arguments, row, write_table
+from campaign import ROOT, arguments, keep, row
 
 from pockmark import Scene
 
@@ -57,15 +57,16 @@ def main() -> None:
     def wanted(name: str) -> bool:
         return not options.only or name in options.only
 
-    def run(name: str, number: int, changes: list[str]) -> dict[str, object]:
-        energy, depth = PAPER[number]
-        figures = row(name, model(number, *changes, *quick), options.out, options.threads)
-        return figures | {"paper_E_i^r": energy, "paper_C_p_um": depth}
-
     def table(file: str, cases: dict[str, tuple[int, list[str]]]) -> None:
-        rows = [run(name, *case) for name, case in cases.items() if wanted(name)]
-        if rows:
-            write_table((options.out if options.quick else HERE) / file, rows)
+        for name, (number, changes) in cases.items():
+            if not wanted(name):
+                continue
+            energy, depth = PAPER[number]
+            figures = row(name, model(number, *changes, *quick), options.out, options.threads)
+            keep(
+                (options.out if options.quick else HERE) / file,
+                figures | {"paper_E_i^r": energy, "paper_C_p_um": depth},
+            )
 
     material = "materials.al2024-liu2015."
     models = (1,) if options.quick else MODELS

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
-from campaign import ROOT, arguments, row, write_table
+from campaign import ROOT, arguments, keep, row
 
 from pockmark import Scene
 
@@ -31,14 +31,13 @@ def main() -> None:
     """Run what is asked for and write the table."""
     options = arguments(__doc__)
     quick = ["end_time='0.005 us'", "output.snapshots='0.005 us'"] if options.quick else []
-    rows = []
     for scene, (path, base) in SCENES.items():
         for cure, changes in CURES.items():
             name = f"{scene}-{cure}"
             if options.only and name not in options.only:
                 continue
-            rows.append(row(name, Scene.load(path, [*base, *changes, *quick]), options.out, options.threads))
-    write_table((options.out if options.quick else HERE) / "table.csv", rows)
+            figures = row(name, Scene.load(path, [*base, *changes, *quick]), options.out, options.threads)
+            keep((options.out if options.quick else HERE) / "table.csv", figures)
 
 
 if __name__ == "__main__":
