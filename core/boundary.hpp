@@ -40,6 +40,7 @@ void fold(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad<T>>&
         auto image = field[outside];
         if (kind == Mirrored::vector) image.v[face / 2] = -image.v[face / 2];
         field[inside] += image;
+        field[outside] = {};
       });
 }
 
@@ -56,7 +57,7 @@ void constrain(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad
     if (faces[face] == Face::symmetry)
       for_each_face_node(grid, face, [&](auto on, auto inside, auto outside) {
         velocity[on].v[axis] = T(0);
-        velocity[outside] = velocity[inside];
+        velocity[outside].set_vector(velocity[inside].vector());
         velocity[outside].v[axis] = -velocity[outside].v[axis];
       });
   }

@@ -7,7 +7,6 @@ namespace pockmark {
 template <class T>
 struct NodeStep {
   Vec3<T> velocity;
-  T absorbed;  // energy that the transmitting traction took (J)
   bool cut;
 };
 
@@ -16,15 +15,23 @@ struct NodeStep {
 template <class T>
 PM_HD NodeStep<T> integrate_node(T mass, const Vec3<T>& v, const Vec3<T>& force, const Vec3<T>& damping, T dt,
                                  T cutoff) {
-  NodeStep<T> out{{}, T(0), mass < cutoff};
+  NodeStep<T> out{{}, mass < cutoff};
   const T share = out.cut ? mass / cutoff : T(1);
   for (int a = 0; a < 3; ++a) {
     const T z = T(0.5) * dt * damping[a];
     out.velocity[a] = ((mass - z) * v[a] + dt * share * force[a]) / (mass + z);
-    const T middle = T(0.5) * (v[a] + out.velocity[a]);
-    out.absorbed += T(2) * z * middle * middle;
   }
   return out;
+}
+
+// Energy (J) that the transmitting traction takes from the points: dt Z (v + v_after)/2 . (v + v_final)/2,
+// v_final the velocity that the points really got, where the scheme maps it back (docs/theory.md, Eq. 6).
+template <class T>
+PM_HD T absorbed_energy(const Vec3<T>& v, const Vec3<T>& after, const Vec3<T>& final, const Vec3<T>& damping,
+                        T dt) {
+  T sum = 0;
+  for (int a = 0; a < 3; ++a) sum += damping[a] * (v[a] + after[a]) * (v[a] + final[a]);
+  return T(0.25) * dt * sum;
 }
 
 }  // namespace pockmark

@@ -1,6 +1,7 @@
 // The explicit material point method: the step reads as the seven steps of Liu et al. 2015, Section 2.
 #pragma once
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -146,7 +147,9 @@ class Solver {
     timers_.time("forces", [&] { map_forces<Shape>(); });                                // (4)
     timers_.time("momentum", [&] { integrate_momentum(); });                             // (5)
     timers_.time("g2p", [&] { map_to_points<Shape>(); });                                // (6)
-    if (scheme == Scheme::musl || scheme == Scheme::usavg) timers_.time("remap", [&] { remap<Shape>(); });
+    const bool remaps = scheme == Scheme::musl || scheme == Scheme::usavg;
+    if (remaps) timers_.time("remap", [&] { remap<Shape>(); });
+    timers_.time("absorbed", [&] { account_for_absorbed(remaps ? grid_.remapped : grid_.after); });
     if (scheme == Scheme::musl) stress(grid_.remapped);
     if (scheme == Scheme::usl) stress(grid_.after);
     if (scheme == Scheme::usavg) timers_.time("strain", [&] { strain<Shape>(); });
@@ -244,28 +247,38 @@ class Solver {
     fold(grid_.geometry, faces_, grid_.force, Mirrored::vector);
   }
 
-  void integrate_momentum() {
+  // f(node, sum) over the nodes of each plane; the sums of the planes are added in order.
+  template <class Sum, class F>
+  Sum sum_over_nodes(F&& f) {
     const auto& g = grid_.geometry;
-    std::vector<double> absorbed(g.nodes(0));
-    std::vector<std::int64_t> cut(g.nodes(0));
+    std::vector<Sum> sums(g.nodes(0));
     const std::int64_t plane = std::int64_t(g.index(1, 0, 0));
 #pragma omp parallel for schedule(static) num_threads(threads_)
     for (int i = 0; i < g.nodes(0); ++i)
-      for (std::int64_t node = i * plane; node < (i + 1) * plane; ++node) {
-        grid_.after[node] = {};
-        const T mass = grid_.mass(node);
-        if (!(mass > T(0))) continue;
-        const auto step = integrate_node(mass, grid_.before[node].vector(), grid_.force[node].vector(),
-                                         grid_.damping[node].vector(), T(dt_), cutoff_);
-        grid_.after[node].set_vector(step.velocity);
-        absorbed[i] += double(step.absorbed);
-        cut[i] += step.cut;
-      }
-    for (int i = 0; i < g.nodes(0); ++i) {
-      absorbed_ += absorbed[i];
-      audit_.counts[std::size_t(Counter::node_cutoffs)] += cut[i];
-    }
-    constrain(g, faces_, grid_.after);
+      for (std::int64_t node = i * plane; node < (i + 1) * plane; ++node) f(node, sums[i]);
+    return std::accumulate(sums.begin(), sums.end(), Sum{});
+  }
+
+  void integrate_momentum() {
+    const auto cut = sum_over_nodes<std::int64_t>([&](std::int64_t node, std::int64_t& count) {
+      grid_.after[node] = {};
+      const T mass = grid_.mass(node);
+      if (!(mass > T(0))) return;
+      const auto step = integrate_node(mass, grid_.before[node].vector(), grid_.force[node].vector(),
+                                       grid_.damping[node].vector(), T(dt_), cutoff_);
+      grid_.after[node].set_vector(step.velocity);
+      count += step.cut;
+    });
+    audit_.counts[std::size_t(Counter::node_cutoffs)] += cut;
+    constrain(grid_.geometry, faces_, grid_.after);
+  }
+
+  void account_for_absorbed(const std::vector<Quad<T>>& final) {
+    absorbed_ += sum_over_nodes<double>([&](std::int64_t node, double& sum) {
+      if (!(grid_.mass(node) > T(0))) return;
+      sum += double(absorbed_energy(grid_.before[node].vector(), grid_.after[node].vector(),
+                                    final[node].vector(), grid_.damping[node].vector(), T(dt_)));
+    });
   }
 
   template <class Shape>

@@ -222,7 +222,6 @@ def failure_model(treatment, d=D):
         reference_rate=1.0,
         t_room=T_ROOM,
         t_melt=T_MELT,
-        m=1.0,
         treatment=getattr(core.FailureTreatment, treatment),
         floor=FLOOR,
         triaxiality_min=CLAMP[0],

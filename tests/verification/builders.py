@@ -52,11 +52,10 @@ def perfectly_plastic(shear, yield_stress):
     )
 
 
-def options(scheme="usf", shape="trilinear", *, cfl=0.5, compatible=True, cutoff=0.0, pic=0.0):
+def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0):
     return core.Options(
         scheme=getattr(core.Scheme, scheme),
         shape=getattr(core.ShapeFunction, shape),
-        compatible_energy=compatible,
         cfl=cfl,
         strain_limit=0.2,
         pic_fraction=pic,
