@@ -148,6 +148,12 @@ def main() -> None:
     except PockmarkError as error:
         print(f"pockmark: {error}", file=sys.stderr)
         sys.exit(2)
+    except BrokenPipeError:  # the reader of our output has gone
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except OSError as error:
+        print(f"pockmark: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        sys.exit(2)
     except MemoryError:
         print("pockmark: there is not enough memory for this scene (see pockmark check)", file=sys.stderr)
         sys.exit(2)

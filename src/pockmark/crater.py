@@ -104,16 +104,17 @@ def _height(fraction: Array, z: Array) -> Array:
 def measure_crater(surface: Surface, *, spacing: float) -> Crater | None:
     """Measure the crater that holds the deepest point; None if nothing is deeper than half a spacing.
 
-    C_p is the vertex of a paraboloid fitted to the columns within three spacings of the deepest one, so that no single
-    noisy column decides. The tents round an edge within a spacing of it, so the pithead's area is extrapolated to z = 0
+    C_p is the vertex of a paraboloid fitted to the columns within three spacings of the deepest one, pits of a column
+    filled first, so that no single noisy column decides. The tents round an edge within a spacing of it, so the pithead's area is extrapolated to z = 0
     (linearly, as of a paraboloid) from the slices one and two spacings below; for a crater shallower than three
     spacings it is that of the slice half a spacing below.
     """
     height = np.where(np.isnan(surface.height), 0.0, surface.height)
     inner = _without_edges(height)
-    deepest = np.unravel_index(np.argmin(ndimage.gaussian_filter(inner, 0.7)), inner.shape)
+    bowl = _without_pits(inner, spacing)
+    deepest = np.unravel_index(np.argmin(ndimage.gaussian_filter(bowl, 0.7)), bowl.shape)
     i, j = int(deepest[0]), int(deepest[1])
-    depth = -_bottom(surface, inner, i, j, 3 * spacing)
+    depth = -_bottom(surface, bowl, i, j, 3 * spacing)
     if depth < 0.5 * spacing:
         return None
 
@@ -134,6 +135,12 @@ def _without_edges(height: Array, margin: int = 5) -> Array:
     middle = slice(margin, -margin)
     out[middle, middle] = height[middle, middle]
     return out
+
+
+def _without_pits(height: Array, spacing: float) -> Array:
+    """The height map with columns more than a spacing below the median of the 3 x 3 around them put to that median."""
+    median = ndimage.median_filter(height, size=3)
+    return np.where(height < median - spacing, median, height)
 
 
 def _bottom(surface: Surface, height: Array, i: int, j: int, radius: float) -> float:

@@ -189,7 +189,9 @@ def library() -> dict[str, dict[str, Any]]:
 
 
 def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """`base` with `changes` put over it, table by table."""
+    """`base` with `changes` put over it, table by table; a table that names another `model` replaces the old one."""
+    if changes.get("model", base.get("model")) != base.get("model"):
+        return dict(changes)
     out = dict(base)
     for key, value in changes.items():
         old = out.get(key)
@@ -198,7 +200,12 @@ def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]
 
 
 def complete(name: str, written: Mapping[str, Any] | None) -> dict[str, Any]:
-    """The full table of a material: the library's, or the one `based_on` names, under what the scene writes."""
+    """The full table of a material: the library's, or the one `based_on` names, under what the scene writes.
+
+    Raises PockmarkError on an unknown name or something that is no table.
+    """
+    if written is not None and not isinstance(written, Mapping):
+        raise PockmarkError(f"materials.{name}: found {written!r}, expected a table")
     changes = dict(written or {})
     base = changes.pop("based_on", name if name in library() else None)
     if base is None:
@@ -206,7 +213,7 @@ def complete(name: str, written: Mapping[str, Any] | None) -> dict[str, Any]:
             known = ", ".join(sorted(library()))
             raise PockmarkError(f"material '{name}' is neither in the scene nor in the library ({known})")
         return changes
-    if base not in library():
+    if not isinstance(base, str) or base not in library():
         raise PockmarkError(
             f"materials.{name}.based_on: found '{base}', expected one of {', '.join(library())}"
         )

@@ -27,11 +27,19 @@ def lattice(body: Block | Sphere) -> Array:
     return _block(body) if isinstance(body, Block) else _sphere(body)
 
 
+def block_counts(block: Block) -> list[int]:
+    """Number of points along x, y, z: those whose centre lies inside."""
+    return [
+        int(np.ceil((u - w) / block.spacing - 0.5 - 1e-9))
+        for w, u in zip(block.lower, block.upper, strict=True)
+    ]
+
+
 def _block(block: Block) -> Array:
-    """Centres lower + (i + 1/2) h that lie inside."""
-    h = block.spacing
-    counts = [int(np.ceil((u - w) / h - 0.5 - 1e-9)) for w, u in zip(block.lower, block.upper, strict=True)]
-    axes = [w + (np.arange(n) + 0.5) * h for w, n in zip(block.lower, counts, strict=True)]
+    """Centres lower + (i + 1/2) h that lie inside; along z upper - (k + 1/2) h, so that the surface is where it is asked."""
+    nx, ny, nz = block_counts(block)
+    x, y = (w + (np.arange(n) + 0.5) * block.spacing for w, n in zip(block.lower[:2], (nx, ny), strict=True))
+    axes = [x, y, block.upper[2] - (np.arange(nz)[::-1] + 0.5) * block.spacing]
     return np.asarray(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3))
 
 

@@ -5,12 +5,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from . import __version__, results
 from .crater import Crater
 from .errors import PockmarkError
 from .plots import history_figure, slice_figure
-from .points import lattice
-from .scene import Scene, Sphere
+from .points import block_counts, lattice
+from .scene import Block, Scene, Sphere
 from .simulation import Simulation, Task
 from .store import RunFolder, commit, machine, now
 from .tasks import History, ProgressBar, Snapshots
@@ -87,7 +89,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     """Crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
     folder = RunFolder.open(path)
     scene, manifest = folder.scene(), folder.manifest()
-    if "run" not in manifest:
+    if not {"run", "options", "ledger", "counters", "failure_treatment"} <= manifest.keys():
         raise PockmarkError(f"{path}: the run has not ended (status '{manifest.get('status')}')")
     numerics = manifest["options"]
     run = manifest["run"] | {
@@ -97,9 +99,14 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         "precision": numerics["precision"],
         "status": manifest["status"],
     }
-    return results.result_table(
+    table = results.result_table(
         _crater(folder, scene), _projectile_diameter(scene), manifest["ledger"], run, manifest["counters"]
     )
+    history = folder.history()
+    table["energy"]["ledger_error_max"] = float(
+        np.abs(history["error"]).max() / (history["initial"][0] or 1.0)
+    )
+    return table
 
 
 def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
@@ -198,6 +205,11 @@ def warnings(scene: Scene) -> list[str]:
             out.append(
                 f"body[{i}] '{body.name}': {per_cell:.2g} points a cell along an axis; 2 is the usual least"
             )
+        if abs(off := _surface_offset(body)) > 0.01 * body.spacing:
+            out.append(
+                f"body[{i}] '{body.name}': its points' surface lies {off * 1e6:+.3g} um from the written one, as its "
+                "spacing does not divide its size"
+            )
         if not body.projectile:
             continue
         diameter = upper[2] - lower[2]
@@ -213,6 +225,13 @@ def warnings(scene: Scene) -> list[str]:
     for name in dict.fromkeys(b.material for b in scene.body):
         out += _failure_warning(name, scene)
     return out
+
+
+def _surface_offset(body: Block | Sphere) -> float:
+    """How far the points reach beyond a block's upper face in z, or a sphere's radius, m; negative if short of it."""
+    if isinstance(body, Sphere):
+        return max(1, round(body.radius / body.spacing)) * body.spacing - body.radius
+    return block_counts(body)[2] * body.spacing - (body.upper[2] - body.lower[2])
 
 
 def _failure_warning(name: str, scene: Scene) -> list[str]:

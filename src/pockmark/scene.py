@@ -19,6 +19,7 @@ from .units import Angle, Length, Number, Speed, Time
 Vector = tuple[Length, Length, Length]
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
+MAX_CELLS = 2**31  # what the core can number, with its rim of extra nodes
 
 
 class Grid(Model):
@@ -48,6 +49,10 @@ class Grid(Model):
     def _has_size(self) -> Self:
         if min(u - w for w, u in zip(self.lower, self.upper, strict=True)) <= 0:
             raise ValueError("upper must exceed lower in each direction")
+        if self.cell_count > MAX_CELLS:
+            raise ValueError(
+                f"a cell of {self.cell:g} m makes {self.cell_count:.3g} cells, at most {MAX_CELLS} fit"
+            )
         return self
 
 
@@ -187,6 +192,8 @@ class Scene(Model):
 
     @model_validator(mode="after")
     def _bodies_fit(self) -> Self:
+        for name, material in self.materials.items():
+            _check_laws(name, material)
         names = [b.name for b in self.body]
         for i, b in enumerate(self.body):
             key = f"body[{i}] '{b.name}'"
@@ -249,6 +256,14 @@ class Scene(Model):
         return self.boundary.y_lower == "symmetry" and self.grid.lower[1] == 0.0
 
 
+def _check_laws(name: str, material: Material) -> None:
+    """The core's own check of each law's constants. Raises ValueError."""
+    try:
+        material.to_core()
+    except ValueError as error:
+        raise ValueError(f"materials.{name}: {error}") from None
+
+
 def _override(text: str) -> dict[str, Any]:
     """ "a.b=value" as nested tables; the value is TOML, or else a plain text."""
     key, equals, value = text.partition("=")
@@ -267,8 +282,10 @@ def _materials_used(table: Mapping[str, Any]) -> dict[str, Any]:
     """Complete tables of the materials that the bodies name and of those written in the scene."""
     written = table.get("materials", {})
     bodies = table.get("body", [])
-    if not isinstance(written, Mapping) or not isinstance(bodies, Sequence):
-        return dict(written) if isinstance(written, Mapping) else {}
+    if not isinstance(written, Mapping):
+        raise PockmarkError(f"materials: found {written!r}, expected a table")
+    if not isinstance(bodies, Sequence):
+        bodies = []  # validation tells
     names = [b["material"] for b in bodies if isinstance(b, Mapping) and isinstance(b.get("material"), str)]
     return {name: complete(name, written.get(name)) for name in dict.fromkeys([*names, *written])}
 

@@ -4,7 +4,6 @@ import csv
 import json
 import os
 import platform
-import shutil
 import subprocess
 import time
 from collections.abc import Iterator, Mapping
@@ -22,6 +21,16 @@ from .scene import Scene
 
 MANIFEST = "manifest.json"
 HISTORY = "history.csv"
+# What pockmark writes into a run folder: --force removes these and nothing else.
+OWN_FILES = (
+    "scene.toml",
+    HISTORY,
+    "snapshot-*.vtkhdf",
+    "snapshot-*.part",
+    "crater.png",
+    "history.png",
+    MANIFEST,
+)
 
 
 class RunFolder:
@@ -35,17 +44,16 @@ class RunFolder:
     def create(cls, path: str | Path, scene: Scene, *, force: bool = False) -> "RunFolder":
         """Make the folder for a new run. Raises PockmarkError if something else is there."""
         folder = cls(Path(path))
-        if folder.path.exists():
-            if not folder.path.is_dir():
-                raise PockmarkError(f"{path}: is a file, expected a folder to write the run to")
-            is_run = (folder.path / MANIFEST).exists()
-            if any(folder.path.iterdir()) and not (is_run and force):
-                what = "holds a run (--force replaces it)" if is_run else "is not empty and holds no run"
-                raise PockmarkError(f"{path}: {what}")
         with _told(path):
-            if folder.path.exists():
-                shutil.rmtree(folder.path)
-            folder.path.mkdir(parents=True)
+            if folder.path.exists() and not folder.path.is_dir():
+                raise PockmarkError(f"{path}: is a file, expected a folder to write the run to")
+            if folder.path.exists() and any(folder.path.iterdir()):
+                is_run = folder.is_run()
+                if not (is_run and force):
+                    what = "holds a run (--force replaces it)" if is_run else "is not empty and holds no run"
+                    raise PockmarkError(f"{path}: {what}")
+                folder.clear()
+            folder.path.mkdir(parents=True, exist_ok=True)
             scene.save(folder.path / "scene.toml")
             folder.write_manifest({"status": "running", "scene_hash": scene.hash})
         return folder
@@ -53,9 +61,26 @@ class RunFolder:
     @classmethod
     def open(cls, path: str | Path) -> "RunFolder":
         """Open an existing run. Raises PockmarkError if it is none."""
-        if not (Path(path) / MANIFEST).is_file():
+        folder = cls(Path(path))
+        if not (folder.path / MANIFEST).is_file():
             raise PockmarkError(f"{path}: is not a run folder (it has no {MANIFEST})")
-        return cls(Path(path))
+        if "scene_hash" not in folder.manifest():
+            raise PockmarkError(f"{path}: is not a run folder (its {MANIFEST} is not pockmark's)")
+        return folder
+
+    def is_run(self) -> bool:
+        """Whether the folder holds a run of pockmark's, and not just some manifest.json."""
+        try:
+            RunFolder.open(self.path)
+        except PockmarkError:
+            return False
+        return True
+
+    def clear(self) -> None:
+        """Remove what pockmark wrote; files of the user's stay."""
+        for pattern in OWN_FILES:
+            for file in self.path.glob(pattern):
+                file.unlink()
 
     def scene(self) -> Scene:
         """The scene of the run."""
@@ -65,9 +90,12 @@ class RunFolder:
         """manifest.json as a dictionary."""
         with _told(self.path / MANIFEST):
             try:
-                return dict(json.loads((self.path / MANIFEST).read_text(encoding="utf-8")))
-            except json.JSONDecodeError as error:
+                manifest = json.loads((self.path / MANIFEST).read_text(encoding="utf-8"))
+            except ValueError as error:
                 raise PockmarkError(f"{self.path / MANIFEST}: is not JSON ({error})") from None
+        if not isinstance(manifest, dict):
+            raise PockmarkError(f"{self.path / MANIFEST}: found no table, expected a manifest of pockmark's")
+        return manifest
 
     def write_manifest(self, manifest: Mapping[str, Any]) -> None:
         """Replace manifest.json in one go."""
@@ -88,9 +116,12 @@ class RunFolder:
     def history(self) -> dict[str, NDArray[np.float64]]:
         """Columns of history.csv."""
         path = self.path / HISTORY
-        with _told(path):
-            table = np.genfromtxt(path, delimiter=",", names=True, ndmin=1)
-        return {name: np.asarray(table[name], dtype=np.float64) for name in table.dtype.names or ()}
+        with _told(path), path.open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        try:
+            return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+        except (IndexError, TypeError, ValueError):
+            raise PockmarkError(f"{path}: is empty or torn, expected a number in each column") from None
 
     def snapshots(self) -> list[Path]:
         """Snapshot files in the order of time."""
@@ -99,8 +130,12 @@ class RunFolder:
     def write_snapshot(self, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> Path:
         """Write all fields of all points as the next VTKHDF file."""
         path = self.path / f"snapshot-{len(self.snapshots()):04d}.vtkhdf"
-        with _replaced(path) as part, h5py.File(part, "w") as file:
-            _write_vtkhdf(file, fields, time_s, step)
+        with _replaced(path) as part:
+            try:
+                with h5py.File(part, "w") as file:
+                    _write_vtkhdf(file, fields, time_s, step)
+            except (OSError, RuntimeError) as error:  # HDF5 tells a full disk as either
+                raise PockmarkError(f"{path}: cannot be written ({_reason(error)})") from None
         return path
 
     def last_snapshot(self) -> dict[str, NDArray[Any]]:
@@ -114,11 +149,14 @@ class RunFolder:
 def read_snapshot(path: Path) -> dict[str, NDArray[Any]]:
     """Fields of a snapshot file; `time` is an array of one."""
     with _told(path):
-        with h5py.File(path, "r") as file:
-            root = file["VTKHDF"]
-            fields = {name: np.asarray(data) for name, data in root["PointData"].items()}
-            fields["position"] = np.asarray(root["Points"])
-            fields["time"] = np.asarray(root["FieldData/time"])
+        try:
+            with h5py.File(path, "r") as file:
+                root = file["VTKHDF"]
+                fields = {name: np.asarray(data) for name, data in root["PointData"].items()}
+                fields["position"] = np.asarray(root["Points"])
+                fields["time"] = np.asarray(root["FieldData/time"])
+        except KeyError:
+            raise PockmarkError(f"{path}: is not a snapshot of pockmark's") from None
         return fields
 
 
@@ -170,10 +208,18 @@ def machine() -> dict[str, Any]:
 
 
 def commit() -> str | None:
-    """The git commit of the source tree that pockmark runs from, if it is one."""
+    """The git commit of the pockmark tree around this file ("-dirty" if changed since), or None."""
+    # A virtual environment inside somebody's own repository must not give that repository's commit.
+    if _git("ls-files", "--error-unmatch", ":/src/pockmark/store.py") is None:
+        return None
+    return _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
+
+
+def _git(*arguments: str) -> str | None:
+    """Output of git in this file's folder, None if it fails or there is no git."""
     try:
         out = subprocess.run(
-            ["git", "rev-parse", "HEAD"],
+            ["git", *arguments],
             cwd=Path(__file__).parent,
             capture_output=True,
             text=True,
@@ -182,7 +228,7 @@ def commit() -> str | None:
         )
     except (OSError, subprocess.TimeoutExpired):
         return None
-    return out.stdout.strip() or None
+    return out.stdout.strip() if out.returncode == 0 else None
 
 
 def now() -> str:
@@ -196,8 +242,12 @@ def _told(path: str | Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        reason = error.strerror or str(error).splitlines()[0]
-        raise PockmarkError(f"{path}: {reason}") from None
+        raise PockmarkError(f"{path}: {_reason(error)}") from None
+
+
+def _reason(error: Exception) -> str:
+    """What the system or HDF5 says, on one line."""
+    return (isinstance(error, OSError) and error.strerror) or " ".join(str(error).split())
 
 
 @contextmanager

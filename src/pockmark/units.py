@@ -1,5 +1,6 @@
 """The only door for units: "20 um", "2.2 km/s", "15 deg" in, SI floats inside."""
 
+import math
 from decimal import Decimal
 from functools import cache
 from typing import Annotated, Any
@@ -17,8 +18,16 @@ def _registry() -> pint.UnitRegistry[Any]:
 def to_si(value: Any, unit: str) -> float:
     """Convert a number (already SI) or a text with a unit to a float in `unit`, an SI unit such as "m/s".
 
-    Raises ValueError with one sentence on a wrong unit or something that is no number.
+    Raises ValueError with one sentence on a wrong unit or something that is no finite number.
     """
+    number = _to_float(value, unit)
+    if not math.isfinite(number):
+        raise ValueError(f"found {value!r}, expected a finite number")
+    return number
+
+
+def _to_float(value: Any, unit: str) -> float:
+    """to_si without the check that the number is finite."""
     if isinstance(value, bool):
         raise ValueError(f"found {value}, expected a quantity in {unit or 'no unit'}")
     if isinstance(value, int | float):

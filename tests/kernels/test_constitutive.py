@@ -1,6 +1,6 @@
 """The stress update against a reference written in NumPy/SciPy from the equations.
 
-Liu et al. 2015, Eqs. 16-20 as corrected in shared/paper/reading.md: Mie-Grueneisen about the Hugoniot
+Liu et al. 2015, Eqs. 16-20 with their misprints corrected (docs/theory.md): Mie-Grueneisen about the Hugoniot
 Us = c0 + s up, Johnson-Cook strength with a radial return, Johnson-Cook failure with an explicit treatment
 of failure strains that are not positive. Documented choice: gamma stays gamma0 in expansion (mu < 0).
 """

@@ -1,0 +1,167 @@
+"""What a user's slip, a full disk or a torn file may do: one sentence, and nothing of the user's lost."""
+
+import json
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pockmark import PockmarkError, Scene, measure
+from pockmark.run import forecast, run_scene
+from pockmark.store import RunFolder, read_snapshot
+
+QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
+ALUMINIUM = "materials.al2024-liu2015"
+
+SLIPS = [
+    ("grid.lower=[nan, 0.0, 0.0]", "grid.lower[0]: found nan, expected a finite number"),
+    ("grid.upper=['inf m', '50 um', '30 um']", "grid.upper[0]: found 'inf m', expected a finite number"),
+    ("grid.cell=1e-30", "grid: a cell of 1e-30 m makes"),
+    ("end_time=inf", "end_time: found inf"),
+    ("impact.speed=inf", "impact.speed: found inf"),
+    ("materials=3", "materials: found 3, expected a table"),
+    (f"{ALUMINIUM}=3", f"{ALUMINIUM}: found 3, expected a table"),
+    (f"{ALUMINIUM}.based_on=['a']", f"{ALUMINIUM}.based_on: found"),
+    (f"{ALUMINIUM}.thermal.melt_temperature='200 K'", "t_melt must exceed t_room"),
+    (f"{ALUMINIUM}.failure.triaxiality_min=5", "triaxiality_max must exceed triaxiality_min"),
+]
+
+
+@pytest.mark.parametrize(("override", "sentence"), SLIPS)
+def test_a_slip_is_one_sentence(override, sentence):
+    with pytest.raises(PockmarkError) as caught:
+        Scene.load(QUICK, [override])
+    message = str(caught.value)
+    print(message)
+    assert message.startswith(f"{QUICK}: ")
+    assert sentence in message
+    assert "\n" not in message
+
+
+def test_another_model_replaces_the_library_s():
+    scene = Scene.load(QUICK, [f"{ALUMINIUM}.strength={{model='elastic', shear_modulus='27 GPa'}}"])
+    assert scene.materials["al2024-liu2015"].strength.model == "elastic"
+
+
+def test_check_tells_where_the_surface_of_the_points_is():
+    """A spacing that does not divide the height puts the points' surface off z = 0."""
+    scene = Scene.load(QUICK).to_dict()
+    scene["body"][0]["spacing"] = 1.5e-6  # 50 um: 33 layers, 49.5 um
+    said = [w for w in forecast(Scene.from_dict(scene), 1).warnings if "surface lies" in w]
+    print(said)
+    assert len(said) == 1
+    assert "-0.5 um" in said[0]
+    assert not [w for w in forecast(Scene.load(QUICK), 1).warnings if "surface lies" in w]
+
+
+def test_force_spares_what_is_not_pockmarks(tmp_path):
+    scene, folder = Scene.load(QUICK), tmp_path / "run"
+    RunFolder.create(folder, scene)
+    (folder / "notes.txt").write_text("mine")
+    (folder / "snapshot-0000.vtkhdf").write_bytes(b"old")
+    with pytest.raises(PockmarkError, match="--force"):
+        RunFolder.create(folder, scene)
+    RunFolder.create(folder, scene, force=True)
+    assert sorted(p.name for p in folder.iterdir()) == ["manifest.json", "notes.txt", "scene.toml"]
+
+
+def test_force_does_not_take_a_strangers_manifest_for_a_run(tmp_path):
+    (tmp_path / "manifest.json").write_text('{"name": "my web page"}')
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(PockmarkError, match="holds no run"):
+        RunFolder.create(tmp_path, Scene.load(QUICK), force=True)
+    assert (tmp_path / "thesis.tex").read_text() == "mine"
+
+
+@pytest.mark.parametrize("manifest", ["", "[1]", "{}", '{"scene_hash": "0"}'])
+def test_a_torn_manifest_is_told(manifest, tmp_path):
+    Scene.load(QUICK).save(tmp_path / "scene.toml")
+    (tmp_path / "manifest.json").write_text(manifest)
+    with pytest.raises(PockmarkError) as caught:
+        measure(tmp_path)
+    assert str(tmp_path) in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["", "time,error\n", "time,error\n1,2\n3\n", "time,error\n1,x\n"])
+def test_a_torn_history_is_told(text, tmp_path):
+    (tmp_path / "history.csv").write_text(text)
+    with pytest.raises(PockmarkError, match=r"history\.csv: is empty or torn"):
+        RunFolder(tmp_path).history()
+
+
+def test_a_strangers_hdf5_file_is_told(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["a"] = 1
+    with pytest.raises(PockmarkError, match="is not a snapshot"):
+        read_snapshot(tmp_path / "other.h5")
+
+
+def _short(output, *more, **kwargs):
+    command = [
+        sys.executable,
+        "-m",
+        "pockmark",
+        "run",
+        QUICK,
+        "-o",
+        output,
+        "--quiet",
+        "--threads",
+        "1",
+        *more,
+    ]
+    return subprocess.Popen(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **kwargs
+    )
+
+
+def _small_files():
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, 500_000))
+
+
+def test_a_full_disk_is_one_sentence_and_leaves_no_half_file(tmp_path):
+    run = _short(tmp_path / "run", "--set", "end_time='1 ns'", preexec_fn=_small_files)
+    _, said = run.communicate(timeout=60)
+    print(said)
+    assert run.returncode == 2
+    assert len(said.strip().splitlines()) == 1
+    assert "snapshot-0000.vtkhdf: cannot be written" in said
+    assert sorted(p.name for p in (tmp_path / "run").iterdir()) == [
+        "history.csv",
+        "manifest.json",
+        "scene.toml",
+    ]
+    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "failed"
+
+
+def test_ctrl_c_stops_and_keeps_what_there_is(tmp_path):
+    folder = tmp_path / "run"
+    run = _short(
+        folder,
+        "--set",
+        "end_time='10 us'",
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    deadline = time.monotonic() + 60
+    while not list(folder.glob("snapshot-0001.vtkhdf")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    run.send_signal(signal.SIGINT)
+    out, said = run.communicate(timeout=60)
+    print(out, said)
+    assert run.returncode == 130
+    assert RunFolder.open(folder).manifest()["status"] == "interrupted"
+    assert 0 < measure(folder)["run"]["time"] < 10e-6
+
+
+def test_measure_tells_the_largest_ledger_error(tmp_path):
+    folder, _ = run_scene(Scene.load(QUICK, ["end_time='4 ns'"]), tmp_path / "run", threads=1, progress=False)
+    history, energy = folder.history(), measure(folder.path)["energy"]
+    assert energy["ledger_error_max"] == np.abs(history["error"]).max() / history["initial"][0]
+    assert energy["ledger_error_max"] >= abs(energy["ledger_error"]) * (1 - 1e-9)
