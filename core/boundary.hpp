@@ -29,38 +29,40 @@ void for_each_face_node(const GridGeometry<T>& grid, int face, F&& f) {
     }
 }
 
-// A symmetry plane is a mirror: what stencils put on the nodes behind it belongs to their images.
+// A symmetry plane is a mirror, a fixed face one that also turns the tangential velocity round (so that it
+// vanishes on the face): what stencils put on the nodes behind them belongs to their images.
+inline bool is_mirror(Face face) { return face == Face::symmetry || face == Face::fixed; }
+inline int mirror_sign(Face face, int face_axis, int component) {
+  return face == Face::fixed || component == face_axis ? -1 : 1;
+}
+
 enum class Mirrored { vector, magnitudes };
 
 template <class T>
 void fold(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad<T>>& field, Mirrored kind) {
   for (int face = 0; face < 6; ++face)
-    if (faces[face] == Face::symmetry)
+    if (is_mirror(faces[face]))
       for_each_face_node(grid, face, [&](auto, auto inside, auto outside) {
         auto image = field[outside];
-        if (kind == Mirrored::vector) image.v[face / 2] = -image.v[face / 2];
+        if (kind == Mirrored::vector)
+          for (int c = 0; c < 3; ++c) image.v[c] *= T(mirror_sign(faces[face], face / 2, c));
         field[inside] += image;
         field[outside] = {};
       });
 }
 
-// Fixed components of a nodal velocity, then the values behind the planes.
+// Velocity components that a face holds at zero, then the values behind the face.
 template <class T>
 void constrain(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad<T>>& velocity) {
-  for (int face = 0; face < 6; ++face) {
-    const int axis = face / 2;
-    if (faces[face] == Face::fixed)
-      for_each_face_node(grid, face, [&](auto on, auto, auto outside) {
-        velocity[on].set_vector({});
-        velocity[outside].set_vector({});
-      });
-    if (faces[face] == Face::symmetry)
+  for (int face = 0; face < 6; ++face)
+    if (is_mirror(faces[face]))
       for_each_face_node(grid, face, [&](auto on, auto inside, auto outside) {
-        velocity[on].v[axis] = T(0);
-        velocity[outside].set_vector(velocity[inside].vector());
-        velocity[outside].v[axis] = -velocity[outside].v[axis];
+        for (int c = 0; c < 3; ++c) {
+          const int sign = mirror_sign(faces[face], face / 2, c);
+          if (sign < 0) velocity[on].v[c] = T(0);
+          velocity[outside].v[c] = T(sign) * velocity[inside].v[c];
+        }
       });
-  }
 }
 
 // Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the

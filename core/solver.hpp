@@ -87,6 +87,10 @@ class Solver {
     const std::int64_t start = cycle_;
     with_shape([&](auto shape) {
       while (cycle_ - start < max_steps && time_ < end_time) {
+        if (points_.size() == 0) {
+          time_ = end_time;  // everything left: nothing more can happen
+          break;
+        }
         choose_step(end_time);
         step<decltype(shape)>();
       }
