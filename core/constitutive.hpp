@@ -85,7 +85,7 @@ struct StressUpdate {
 
     const T plastic = update_deviator(point, L, audit);
     const T c = update_pressure(point, L.strain_rate, reference_volume, audit);
-    update_damage(point, plastic, reference_volume, audit);
+    update_damage(point, plastic, L.strain_rate, reference_volume, audit);
     return c;
   }
 
@@ -142,7 +142,8 @@ struct StressUpdate {
     return std::sqrt(bulk_c2 + shear);
   }
 
-  PM_HD void update_damage(PointState<T>& point, T plastic, T reference_volume, Audit& audit) const {
+  PM_HD void update_damage(PointState<T>& point, T plastic, const Sym3<T>& strain_rate, T reference_volume,
+                           Audit& audit) const {
     if (point.damage >= T(1) || plastic <= T(0)) return;
     const T flow = effective(point.deviator);
     const auto damage = material.failure.visit([&](const auto& f) {
@@ -159,8 +160,11 @@ struct StressUpdate {
     if (melted) point.damage = std::max(point.damage, T(1));
     if (point.damage < T(1)) return;
     audit.count(Counter::failed_points);
+    // The nodes will feel the failed stress, so that is what the energy is paid with.
+    point.energy -= new_share * dt * stress_power(point, strain_rate, reference_volume);
     point.deviator = {};
     point.pressure = std::max(point.pressure, T(0));
+    point.energy += new_share * dt * stress_power(point, strain_rate, reference_volume);
   }
 };
 

@@ -137,7 +137,7 @@ class Numerics(Model):
     cfl: Annotated[Number, Field(gt=0, le=1)] = 0.5
     strain_limit: Annotated[Number, Field(gt=0, le=1)] = 0.2
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] = 0.0
-    mass_cutoff: Annotated[Number, Field(ge=0, le=1)] = 1e-4
+    mass_cutoff: Annotated[Number, Field(ge=0, le=1)] = 0.0
     precision: Literal["double", "single"] = "double"
 
 

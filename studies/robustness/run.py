@@ -15,7 +15,7 @@ SCENES = {
 }
 CURES = {
     "usavg": [],
-    "usavg-no-cutoff": ["numerics.mass_cutoff=0.0"],
+    "usavg-cutoff-0.0001": ["numerics.mass_cutoff=0.0001"],
     "usavg-cutoff-0.01": ["numerics.mass_cutoff=0.01"],
     "usavg-cfl-0.25": ["numerics.cfl=0.25"],
     "usavg-quadratic": ["numerics.shape_functions=quadratic"],

@@ -55,7 +55,7 @@ def test_measure_has_stable_keys_in_si(folder):
     assert 10e-6 < result["crater"]["diameter"] < 60e-6
     assert result["crater"]["volume"] > 0
     assert 0.7 < result["energy"]["residual_internal"] < 1.0
-    assert abs(result["energy"]["ledger_error"]) < 0.01
+    assert abs(result["energy"]["ledger_error"]) < 1e-10  # USAVG: round-off
     for key in ("points", "cells", "steps", "particle_steps_per_second"):
         assert result["run"][key] > 0
     assert result["run"]["failure_treatment"] == "al2024-liu2015: no_damage"
