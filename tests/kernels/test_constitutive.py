@@ -133,7 +133,8 @@ def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D):
     assert eos(mu, energy + work(p)) == pytest.approx(p, rel=1e-10, abs=1e-3)
     if damage >= 1:
         p = max(p, 0.0)
-    energy = energy + work(p)
+    paid = energy
+    energy = paid + work(p)
 
     sound = np.sqrt(c2 + (0 if damage >= 1 else 4 / 3 * shear / (RHO / ratio)))
     if damage < 1 and increment > 0:
@@ -151,6 +152,7 @@ def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D):
             damage = max(damage, 1.0)
         if damage >= 1:
             s, p = np.zeros((3, 3)), max(p, 0.0)
+            energy = paid + work(p)  # the forces feel the failed stress: it is what the step pays with
     return np.array([volume, energy, p, viscosity, eps, temperature, damage, *vector(s), sound])
 
 
