@@ -39,6 +39,7 @@ struct MaterialSpec {
     m.specific_heat = T(specific_heat), m.taylor_quinney = T(taylor_quinney);
     m.t_room = T(t_room), m.t_melt = T(t_melt);
     m.q_quadratic = T(q_quadratic), m.q_linear = T(q_linear);
+    m.specific_volume = T(1) / m.density();
     return m;
   }
 };

@@ -30,6 +30,9 @@ struct Material {
   T specific_heat, taylor_quinney, t_room, t_melt;
   T q_quadratic, q_linear;
 
+  T specific_volume;  // 1/rho0
+
+  PM_HD T reference_volume(T mass) const { return mass * specific_volume; }
   PM_HD T density() const {
     return eos.visit([](const auto& e) { return e.density; });
   }
@@ -45,11 +48,16 @@ struct Material {
   PM_HD T shear_speed() const { return std::sqrt(shear_modulus() / density()); }
 };
 
-// Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0.
+// Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0; ratio = V/V0.
 template <class T>
-PM_HD T stress_power(const PointState<T>& point, const Sym3<T>& rate, T reference_volume) {
-  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) *
-         point.volume / reference_volume;
+PM_HD T stress_power(const PointState<T>& point, const Sym3<T>& rate, T ratio) {
+  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) * ratio;
+}
+
+// Of a volume through a volumetric strain, taken at mid-step.
+template <class T>
+PM_HD T stretch(T strain) {
+  return (T(1) + T(0.5) * strain) / (T(1) - T(0.5) * strain);
 }
 
 // Moves the point through a strain of duration dt under its old stress: pays the whole work of that stress,
@@ -57,9 +65,8 @@ PM_HD T stress_power(const PointState<T>& point, const Sym3<T>& rate, T referenc
 template <class T>
 PM_HD void strain_elastically(const Material<T>& material, PointState<T>& point, const VelocityGradient<T>& L,
                               T mass, T dt) {
-  point.energy += dt * stress_power(point, L.strain_rate, mass / material.density());
-  const T strain = trace(L.strain_rate) * dt;
-  point.volume *= (T(1) + strain / 2) / (T(1) - strain / 2);
+  point.energy += dt * stress_power(point, L.strain_rate, point.volume / material.reference_volume(mass));
+  point.volume *= stretch(trace(L.strain_rate) * dt);
   if (point.damage >= T(1)) return;
   point.deviator =
       rotate(point.deviator, dt * L.spin) + (T(2) * material.shear_modulus() * dt) * deviator(L.strain_rate);
@@ -75,17 +82,18 @@ struct StressUpdate {
 
   // Advances the point by dt under the velocity gradient `L`. Returns its sound speed (m/s).
   PM_HD T operator()(PointState<T>& point, const VelocityGradient<T>& L, T mass, Audit& audit) const {
-    const T reference_volume = mass / material.density();
+    const T reference_volume = material.reference_volume(mass);
     if (old_share > T(0))
-      point.energy += old_share * dt * stress_power(point, L.strain_rate, reference_volume);
+      point.energy += old_share * dt * stress_power(point, L.strain_rate, point.volume / reference_volume);
 
-    const T rate = trace(L.strain_rate), strain = rate * dt;
-    point.volume *= (T(1) + strain / 2) / (T(1) - strain / 2);
+    const T rate = trace(L.strain_rate);
+    point.volume *= stretch(rate * dt);
     audit.volumetric_rate = std::max(audit.volumetric_rate, double(std::abs(rate)));
 
+    const T ratio = point.volume / reference_volume;
     const T plastic = update_deviator(point, L, audit);
-    const T c = update_pressure(point, L.strain_rate, reference_volume, audit);
-    update_damage(point, plastic, L.strain_rate, reference_volume, audit);
+    const T c = update_pressure(point, L.strain_rate, ratio, audit);
+    update_damage(point, plastic, L.strain_rate, ratio, audit);
     return c;
   }
 
@@ -111,21 +119,19 @@ struct StressUpdate {
     return increment;
   }
 
-  PM_HD T update_pressure(PointState<T>& point, const Sym3<T>& strain_rate, T reference_volume,
-                          Audit& audit) const {
-    const T ratio = point.volume / reference_volume;  // V/V0
-    const T mu = T(1) / ratio - T(1);
-    const T density = material.density();
+  // ratio = V/V0.
+  PM_HD T update_pressure(PointState<T>& point, const Sym3<T>& strain_rate, T ratio, Audit& audit) const {
+    const T compression = T(1) / ratio;
     const T rate = trace(strain_rate), strain = rate * dt;
-    const auto isochore = material.eos.visit([&](const auto& e) { return e.at(mu); });
+    const auto isochore = material.eos.visit([&](const auto& e) { return e.at(compression - T(1)); });
     if (isochore.capped) audit.count(Counter::eos_caps);
-    audit.compression = std::max(audit.compression, double(T(1) / ratio));
+    audit.compression = std::max(audit.compression, double(compression));
 
-    T bulk_c2 = isochore.sound_speed_squared(point.pressure, point.energy, mu, density);
-    bulk_c2 = std::max(bulk_c2, T(0));
+    const T bulk_c2 =
+        material.specific_volume * std::max(isochore.stiffness(point.pressure, point.energy, ratio), T(0));
     point.viscosity = T(0);
     if (rate < T(0))
-      point.viscosity = density / ratio * cell * -rate *
+      point.viscosity = material.density() * compression * cell * -rate *
                         (material.q_quadratic * cell * -rate + material.q_linear * std::sqrt(bulk_c2));
 
     // E1 = E + w (s:D' - (p1+q) tr D) V/V0 dt with p1 = cold + thermal E1, solved together.
@@ -138,11 +144,13 @@ struct StressUpdate {
     point.energy = known - weight * p * strain;
     audit.viscous_work -= double(point.viscosity * strain * point.volume);
 
-    const T shear = point.damage >= T(1) ? T(0) : T(4) / T(3) * material.shear_modulus() * ratio / density;
+    const T shear = point.damage >= T(1)
+                        ? T(0)
+                        : T(4) / T(3) * material.shear_modulus() * ratio * material.specific_volume;
     return std::sqrt(bulk_c2 + shear);
   }
 
-  PM_HD void update_damage(PointState<T>& point, T plastic, const Sym3<T>& strain_rate, T reference_volume,
+  PM_HD void update_damage(PointState<T>& point, T plastic, const Sym3<T>& strain_rate, T ratio,
                            Audit& audit) const {
     if (point.damage >= T(1) || plastic <= T(0)) return;
     const T flow = effective(point.deviator);
@@ -153,18 +161,18 @@ struct StressUpdate {
     if (damage.treated) audit.count(Counter::failure_treatments);
 
     // Plastic work to heat: dT = chi sigma d eps / (rho C_p).
-    const T work = flow * plastic * point.volume / reference_volume;
-    point.temperature += material.taylor_quinney * work / (material.density() * material.specific_heat);
+    const T work = flow * plastic * ratio;
+    point.temperature += material.taylor_quinney * material.specific_volume * work / material.specific_heat;
     const bool melted = damage.may_fail && point.temperature >= material.t_melt;
     if (melted) audit.count(Counter::melted_points);
     if (melted) point.damage = std::max(point.damage, T(1));
     if (point.damage < T(1)) return;
     audit.count(Counter::failed_points);
     // The nodes will feel the failed stress, so that is what the energy is paid with.
-    point.energy -= new_share * dt * stress_power(point, strain_rate, reference_volume);
+    point.energy -= new_share * dt * stress_power(point, strain_rate, ratio);
     point.deviator = {};
     point.pressure = std::max(point.pressure, T(0));
-    point.energy += new_share * dt * stress_power(point, strain_rate, reference_volume);
+    point.energy += new_share * dt * stress_power(point, strain_rate, ratio);
   }
 };
 

@@ -7,3 +7,36 @@
 #else
 #define PM_HD inline __attribute__((always_inline))
 #endif
+
+namespace pockmark {
+
+// Four numbers that are added and scaled as one.
+#ifdef __CUDACC__
+template <class T>
+struct Four {
+  T n[4];
+  PM_HD T& operator[](int i) { return n[i]; }
+  PM_HD T operator[](int i) const { return n[i]; }
+  PM_HD Four& operator+=(const Four& b) {
+    for (int i = 0; i < 4; ++i) n[i] += b.n[i];
+    return *this;
+  }
+  PM_HD friend Four operator-(Four a, const Four& b) {
+    for (int i = 0; i < 4; ++i) a.n[i] -= b.n[i];
+    return a;
+  }
+  PM_HD friend Four operator*(T f, Four a) {
+    for (int i = 0; i < 4; ++i) a.n[i] *= f;
+    return a;
+  }
+};
+#else
+template <class T>
+struct FourOf {
+  typedef T type __attribute__((vector_size(4 * sizeof(T))));
+};
+template <class T>
+using Four = typename FourOf<T>::type;
+#endif
+
+}  // namespace pockmark

@@ -45,11 +45,6 @@ struct Stencil {
     }
   }
   PM_HD T weight(int i, int j, int k) const { return w[0][i] * w[1][j] * w[2][k]; }
-  // dN/dx_axis (1/m).
-  PM_HD T slope(int axis, int i, int j, int k) const {
-    return (axis == 0 ? g[0][i] : w[0][i]) * (axis == 1 ? g[1][j] : w[1][j]) *
-           (axis == 2 ? g[2][k] : w[2][k]);
-  }
 };
 
 }  // namespace pockmark

@@ -156,7 +156,6 @@ class Solver {
     timers_.time("absorbed", [&] { account_for_absorbed(remaps ? grid_.remapped : grid_.after); });
     if (scheme == Scheme::musl) stress(grid_.remapped);
     if (scheme == Scheme::usl) stress(grid_.after);
-    if (scheme == Scheme::usavg) timers_.time("strain", [&] { strain<Shape>(); });
     timers_.time("move", [&] { move<Shape>(); });
     timers_.time("sort", [&] { locate<Shape>(cycle_ % steps_between_sorts == 0); });
     time_ = next_time_;  // (7)
@@ -206,7 +205,7 @@ class Solver {
   template <class Shape>
   void update_stress(const std::vector<Quad<T>>& velocity) {
     // USAVG strains by half a step here, pays it with the new stress, and by half after the forces
-    // (strain()).
+    // (move()).
     const bool average = options_.scheme == Scheme::usavg;
     const T dt = T(average ? dt_ / 2 : dt_), old_share = T(average ? 0 : 0.5);
     std::vector<Audit> audits(slabs_.count());
@@ -227,21 +226,6 @@ class Solver {
     extremes_ = {};
     for (const auto& a : audits) extremes_.absorb(a);
     audit_.absorb(extremes_);
-  }
-
-  template <class Shape>
-  void strain() {
-    slabs_.gather(points_, threads_, [&](int, const Run& run) {
-      Patch<Shape, T> patch;
-      patch.load(grid_.geometry, run.base, grid_.remapped);
-      for (std::size_t p = run.begin; p < run.end; ++p) {
-        const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
-        auto point = points_.load(p);
-        strain_elastically(materials_[points_.body[p]], point, gradient<Shape>(n, patch),
-                           points_.at(Field::mass)[p], T(dt_ / 2));
-        points_.store_strained(p, point);
-      }
-    });
   }
 
   template <class Shape>
@@ -304,10 +288,26 @@ class Solver {
     constrain(grid_.geometry, faces_, grid_.remapped);
   }
 
+  // x += dt sum N v_after; in USAVG the second half of the strain goes with it.
   template <class Shape>
   void move() {
-    slabs_.gather(points_, threads_,
-                  [&](int, const Run& run) { move_points<Shape>(points_, grid_, run, T(dt_)); });
+    const bool average = options_.scheme == Scheme::usavg;
+    slabs_.gather(points_, threads_, [&](int, const Run& run) {
+      Patch<Shape, T> after, remapped;
+      after.load(grid_.geometry, run.base, grid_.after);
+      if (average) remapped.load(grid_.geometry, run.base, grid_.remapped);
+      for (std::size_t p = run.begin; p < run.end; ++p) {
+        const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
+        if (average) {
+          auto point = points_.load(p);
+          strain_elastically(materials_[points_.body[p]], point, gradient<Shape>(n, remapped),
+                             points_.at(Field::mass)[p], T(dt_ / 2));
+          points_.store_strained(p, point);
+        }
+        points_.set_vector(Field::position, p,
+                           points_.vector(Field::position, p) + T(dt_) * interpolate(n, after));
+      }
+    });
   }
 
   // The points' cells. They are sorted by cell now and then only: the kernels need each point near its slab,

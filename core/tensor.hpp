@@ -37,13 +37,13 @@ PM_HD T dot(const Vec3<T>& a, const Vec3<T>& b) {
 
 // What a node holds: a vector and a scalar (the mass, where there is one), padded to one SIMD register.
 template <class T>
-struct alignas(4 * sizeof(T)) Quad {
-  T v[4]{};
+struct Quad {
+  Four<T> v{};
 
   PM_HD Vec3<T> vector() const { return {v[0], v[1], v[2]}; }
   PM_HD void set_vector(const Vec3<T>& a) { v[0] = a.x, v[1] = a.y, v[2] = a.z; }
   PM_HD Quad& operator+=(const Quad& b) {
-    for (int c = 0; c < 4; ++c) v[c] += b.v[c];
+    v += b.v;
     return *this;
   }
 };
@@ -51,7 +51,7 @@ struct alignas(4 * sizeof(T)) Quad {
 // a += f b, the one operation of every transfer.
 template <class T>
 PM_HD void add_scaled(Quad<T>& a, T f, const Quad<T>& b) {
-  for (int c = 0; c < 4; ++c) a.v[c] += f * b.v[c];
+  a.v += f * b.v;
 }
 
 // Components in the order xx, yy, zz, xy, yz, zx, everywhere.
@@ -74,7 +74,7 @@ PM_HD T trace(const Sym3<T>& a) {
 }
 template <class T>
 PM_HD Sym3<T> deviator(const Sym3<T>& a) {
-  const T mean = trace(a) / T(3);
+  const T mean = trace(a) * (T(1) / T(3));
   return {a.xx - mean, a.yy - mean, a.zz - mean, a.xy, a.yz, a.zx};
 }
 template <class T>

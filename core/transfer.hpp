@@ -54,7 +54,12 @@ void add_momentum(const Particles<T>& points, const GridGeometry<T>& geometry, c
     const T m = points.at(Field::mass)[p];
     const auto v = points.vector(Field::velocity, p);
     const Quad<T> carried{{m * v.x, m * v.y, m * v.z, m}};
-    patch.for_each([&](int i, int j, int k) { add_scaled(patch.at[i][j][k], n.weight(i, j, k), carried); });
+    for (int i = 0; i < Shape::support; ++i)
+      for (int j = 0; j < Shape::support; ++j) {
+        Quad<T> line;
+        add_scaled(line, n.w[0][i] * n.w[1][j], carried);
+        for (int k = 0; k < Shape::support; ++k) add_scaled(patch.at[i][j][k], n.w[2][k], line);
+      }
   }
   patch.add_to(geometry, run.base, nodes);
 }
@@ -68,9 +73,17 @@ void add_internal_force(const Particles<T>& points, Grid<T>& grid, const Run& ru
     const auto s = -points.at(Field::volume)[p] * points.stress(p);
     const Quad<T> column[3] = {
         {{s.xx, s.xy, s.zx, T(0)}}, {{s.xy, s.yy, s.yz, T(0)}}, {{s.zx, s.yz, s.zz, T(0)}}};
-    force.for_each([&](int i, int j, int k) {
-      for (int a = 0; a < 3; ++a) add_scaled(force.at[i][j][k], n.slope(a, i, j, k), column[a]);
-    });
+    for (int i = 0; i < Shape::support; ++i)
+      for (int j = 0; j < Shape::support; ++j) {
+        Quad<T> across, along;  // shares of the line of nodes (i, j)
+        add_scaled(across, n.g[0][i] * n.w[1][j], column[0]);
+        add_scaled(across, n.w[0][i] * n.g[1][j], column[1]);
+        add_scaled(along, n.w[0][i] * n.w[1][j], column[2]);
+        for (int k = 0; k < Shape::support; ++k) {
+          add_scaled(force.at[i][j][k], n.w[2][k], across);
+          add_scaled(force.at[i][j][k], n.g[2][k], along);
+        }
+      }
   }
   force.add_to(grid.geometry, run.base, grid.force);
 }
@@ -78,10 +91,23 @@ void add_internal_force(const Particles<T>& points, Grid<T>& grid, const Run& ru
 // Rate of strain and spin (Eq. 13).
 template <class Shape, class T>
 PM_HD VelocityGradient<T> gradient(const Stencil<Shape, T>& n, const Patch<Shape, T>& velocity) {
-  Quad<T> d[3];  // derivatives of v along each axis
-  velocity.for_each([&](int i, int j, int k) {
-    for (int a = 0; a < 3; ++a) add_scaled(d[a], n.slope(a, i, j, k), velocity.at[i][j][k]);
-  });
+  Quad<T> d[3];  // derivatives of v along each axis, summed axis by axis
+  for (int i = 0; i < Shape::support; ++i) {
+    Quad<T> plane, plane_y, plane_z;
+    for (int j = 0; j < Shape::support; ++j) {
+      Quad<T> line, line_z;
+      for (int k = 0; k < Shape::support; ++k) {
+        add_scaled(line, n.w[2][k], velocity.at[i][j][k]);
+        add_scaled(line_z, n.g[2][k], velocity.at[i][j][k]);
+      }
+      add_scaled(plane, n.w[1][j], line);
+      add_scaled(plane_y, n.g[1][j], line);
+      add_scaled(plane_z, n.w[1][j], line_z);
+    }
+    add_scaled(d[0], n.g[0][i], plane);
+    add_scaled(d[1], n.w[0][i], plane_y);
+    add_scaled(d[2], n.w[0][i], plane_z);
+  }
   const auto l = [&](int component, int axis) { return d[axis].v[component]; };
   const T half = T(0.5);
   return {{l(0, 0), l(1, 1), l(2, 2), half * (l(0, 1) + l(1, 0)), half * (l(1, 2) + l(2, 1)),
@@ -92,7 +118,12 @@ PM_HD VelocityGradient<T> gradient(const Stencil<Shape, T>& n, const Patch<Shape
 template <class Shape, class T>
 PM_HD Vec3<T> interpolate(const Stencil<Shape, T>& n, const Patch<Shape, T>& velocity) {
   Quad<T> sum;
-  velocity.for_each([&](int i, int j, int k) { add_scaled(sum, n.weight(i, j, k), velocity.at[i][j][k]); });
+  for (int i = 0; i < Shape::support; ++i)
+    for (int j = 0; j < Shape::support; ++j) {
+      Quad<T> line;
+      for (int k = 0; k < Shape::support; ++k) add_scaled(line, n.w[2][k], velocity.at[i][j][k]);
+      add_scaled(sum, n.w[0][i] * n.w[1][j], line);
+    }
   return sum.vector();
 }
 
@@ -102,9 +133,8 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Run& r
   Patch<Shape, T> change, after;
   change.load(grid.geometry, run.base, grid.before);
   after.load(grid.geometry, run.base, grid.after);
-  change.for_each([&](int i, int j, int k) {
-    for (int c = 0; c < 4; ++c) change.at[i][j][k].v[c] = after.at[i][j][k].v[c] - change.at[i][j][k].v[c];
-  });
+  change.for_each(
+      [&](int i, int j, int k) { change.at[i][j][k].v = after.at[i][j][k].v - change.at[i][j][k].v; });
   double taken = 0;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
@@ -117,17 +147,6 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Run& r
     points.set_vector(Field::velocity, p, v);
   }
   return taken;
-}
-
-// x += dt sum N v_after.
-template <class Shape, class T>
-void move_points(Particles<T>& points, const Grid<T>& grid, const Run& run, T dt) {
-  Patch<Shape, T> after;
-  after.load(grid.geometry, run.base, grid.after);
-  for (std::size_t p = run.begin; p < run.end; ++p) {
-    const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
-    points.set_vector(Field::position, p, points.vector(Field::position, p) + dt * interpolate(n, after));
-  }
 }
 
 }  // namespace pockmark

@@ -61,9 +61,8 @@ struct JohnsonCookFailure {
   }
 
   PM_HD T failure_strain(T triaxiality, T rate, T temperature) const {
-    const T star = std::max(rate / reference_rate, T(1));
     const T hot = std::clamp((temperature - t_room) / (t_melt - t_room), T(0), T(1));
-    const T rate_factor = D4 == T(0) ? T(1) : T(1) + D4 * fast_log(star);
+    const T rate_factor = D4 == T(0) ? T(1) : T(1) + D4 * fast_log(std::max(rate / reference_rate, T(1)));
     return (D1 + D2 * fast_exp(D3 * triaxiality)) * rate_factor * (T(1) + D5 * hot);
   }
 

@@ -12,10 +12,9 @@ struct Isochore {
   bool capped = false;  // mu was limited
 
   PM_HD T pressure(T energy) const { return cold + thermal * energy; }
-  // c^2 = dp/drho at constant entropy: dE = p rho0 drho / rho^2.
-  PM_HD T sound_speed_squared(T p, T energy, T mu, T density) const {
-    const T ratio = T(1) / (T(1) + mu);
-    return (cold_slope + thermal_slope * energy + thermal * p * ratio * ratio) / density;
+  // rho0 c^2, c^2 = dp/drho at constant entropy: dE = p rho0 drho / rho^2; ratio = V/V0.
+  PM_HD T stiffness(T p, T energy, T ratio) const {
+    return cold_slope + thermal_slope * energy + thermal * p * ratio * ratio;
   }
 };
 

@@ -31,11 +31,12 @@ struct MieGruneisen {
     const T k = bulk_modulus();
     if (mu >= T(0)) {
       // gamma = gamma0 / (1 + mu), Eq. 19.
-      const T g = T(1) - gamma0 * mu / (T(2) * (T(1) + mu));
-      const T g_slope = -gamma0 / (T(2) * (T(1) + mu) * (T(1) + mu));
-      const T d = T(1) - (s - T(1)) * mu;
-      const T hugoniot = k * mu * (T(1) + mu) / (d * d);
-      const T hugoniot_slope = k * (T(1) + (s + T(1)) * mu) / (d * d * d);
+      const T ratio = T(1) / (T(1) + mu), half_gamma = T(0.5) * gamma0 * ratio;
+      const T g = T(1) - half_gamma * mu;
+      const T g_slope = -half_gamma * ratio;
+      const T d = T(1) / (T(1) - (s - T(1)) * mu), kd2 = k * d * d;
+      const T hugoniot = kd2 * mu * (T(1) + mu);
+      const T hugoniot_slope = kd2 * d * (T(1) + (s + T(1)) * mu);
       out.cold = hugoniot * g;
       out.cold_slope = hugoniot_slope * g + hugoniot * g_slope;
       out.thermal = gamma0;
@@ -43,7 +44,7 @@ struct MieGruneisen {
     } else {
       // Expanded: gamma stays gamma0. The paper's gamma rho = gamma0 rho0 would make gamma, and the heat of
       // recompression (E ~ exp(gamma0 rho0/rho)), grow without bound as a fragment expands.
-      const T g = T(1) - gamma0 * mu / T(2);
+      const T g = T(1) - T(0.5) * gamma0 * mu;
       out.cold = k * mu * g;
       out.cold_slope = k * (T(1) - gamma0 * mu);
       out.thermal = gamma0 * (T(1) + mu);

@@ -52,49 +52,50 @@ struct JohnsonCook {
     return T(1) - (m == T(1) ? star : fast_pow(star, m));
   }
   PM_HD T rate_factor(T rate) const {
-    const T star = rate / reference_rate;
-    return star > T(1) ? T(1) + C * fast_log(star) : T(1);
+    return rate > reference_rate ? T(1) + C * fast_log(rate / reference_rate) : T(1);
   }
   PM_HD T hardening(T strain) const { return A + B * fast_pow(strain, n); }
   PM_HD T flow_stress(T strain, T rate, T temperature) const {
     return hardening(strain) * rate_factor(rate) * softening(temperature);
   }
 
-  // Radial return: find d with trial - 3 G d = sigma_y(strain + d, d/dt, T), by Newton inside a bracket (the
-  // residual falls monotonically in d). The temperature is the one at the start of the step.
+  // Radial return: find d with r(d) = trial - 3 G d - sigma_y(strain + d, d/dt, T) = 0, by Newton's method in
+  // x = ln d. There r is concave and falls, the kink at the reference rate included, so the iteration comes
+  // down on the root from above and needs no bracket. The temperature is the one at the start of the step.
   PM_HD PlasticReturn<T> return_map(T trial, T strain, T temperature, T dt) const {
     const T soft = softening(temperature);
     if (trial <= A * soft) return {};
-    const T three_g = T(3) * shear_modulus;
     const T power = B * fast_pow(strain, n);
     const T still = (A + power) * soft;
     if (trial <= still) return {};
-    const T rounding = T(8) * std::numeric_limits<T>::epsilon() * trial / three_g;
-    const T slowest = dt * reference_rate;  // increment of the reference rate
+    const T three_g = T(3) * shear_modulus;
+    const T x_slow = fast_log(dt * reference_rate);  // increment of the reference rate
 
-    // Start: hardening frozen at its old tangent, two rounds for the rate.
-    T low = 0, high = (trial - still) / three_g;
-    const T tangent = three_g + (strain > high ? soft * n * power / strain : T(0));
-    T d = high;
-    for (int round = 0; round < 2; ++round) {
-      const T next = (trial - still * rate_factor(d / dt)) / tangent;
-      d = next > T(0) ? next : d / T(4);
-    }
+    // Start: hardening at its old tangent, the rate at that of no hardening; at most the root without either.
+    const T most = (trial - still) / three_g, x_most = fast_log(most);
+    const T tangent = three_g + (strain > most ? soft * n * power / strain : T(0));
+    const T guess = (trial - still * (T(1) + C * std::max(x_most - x_slow, T(0)))) / tangent;
+    T d = guess > T(0.01) * most ? guess : T(0.01) * most;
+    T x = fast_log(d);
+    const T rounding = T(8) * std::numeric_limits<T>::epsilon() * trial;
     for (int iteration = 0; iteration < 60; ++iteration) {
-      const T total = strain + d;
-      const T hardened = B * fast_pow(total, n);
-      const T hard = A + hardened;
-      const T factor = rate_factor(d / dt);
-      const T residual = trial - three_g * d - hard * factor * soft;
-      (residual > T(0) ? low : high) = d;
-      const T slope = three_g + soft * (n * hardened / total * factor + (d > slowest ? hard * C / d : T(0)));
-      const T next = d + residual / slope;
-      // Newton squares the relative error: after a change of 1e-6 the next one is below 1e-12. A tiny d
-      // cannot be known better than the rounding of the stress allows.
-      if (std::abs(next - d) <= T(1e-6) * d + rounding ||
-          high - low <= std::numeric_limits<T>::epsilon() * high)
-        return {next, true};
-      d = next > low && next < high ? next : (low + high) / T(2);
+      const T total = strain + d, share = d / total;
+      const T hardened = B * fast_pow(total, n), hard = A + hardened;
+      const T factor = T(1) + C * std::max(x - x_slow, T(0)), factor1 = x > x_slow ? C : T(0);
+      const T residual = trial - three_g * d - soft * hard * factor;
+      if (std::abs(residual) <= rounding) return {d, true};
+      // Derivatives by x.
+      const T hard1 = n * hardened * share, hard2 = hard1 * (T(1) - (T(1) - n) * share);
+      const T slope = three_g * d + soft * (hard1 * factor + hard * factor1);
+      const T newton = residual / slope;
+      if (std::abs(newton) <= T(1e-4)) {
+        // One of Halley's steps leaves an error below 1e-12.
+        const T curve = three_g * d + soft * (hard2 * factor + T(2) * hard1 * factor1);
+        const T step = newton / (T(1) + T(0.5) * newton * curve / slope);
+        return {d * (T(1) + step + T(0.5) * step * step), true};
+      }
+      x = std::min(x + newton, x_most);
+      d = fast_exp(x);
     }
     return {d, false};
   }
