@@ -39,12 +39,12 @@ def model(number: int, *changes: str) -> Scene:
     """The scene of one of the paper's models."""
     target, projectile, cell, radius = MODELS[number]
     table = Scene.load(SCENE, changes).to_dict()
-    table["grid"]["cell"] = cell * 1e-6
-    table["body"][0]["spacing"] = target * 1e-6
+    table["grid"]["cell"] = f"{cell} um"
+    table["body"][0]["spacing"] = f"{target} um"
     table["body"][1] |= {
-        "spacing": projectile * 1e-6,
-        "radius": radius * 1e-6,
-        "center": [0, 0, radius * 1e-6],
+        "spacing": f"{projectile} um",
+        "radius": f"{radius} um",
+        "center": [0, 0, f"{radius} um"],
     }
     return Scene.from_dict(table)
 
