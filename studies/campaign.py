@@ -61,12 +61,20 @@ def row(name: str, scene: Scene, out: Path, threads: int | None) -> dict[str, ob
     return figures
 
 
+def commit() -> str:
+    """The commit that makes the rows; "-dirty" if anything but the tables has changed since."""
+
+    def git(*words: str) -> str:
+        result = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
+        return result.stdout.strip()
+
+    changed = git("status", "--porcelain", "--", ":/", ":(exclude,top)studies/**/*.csv")
+    return git("describe", "--always") + ("-dirty" if changed else "")
+
+
 def keep(path: Path, figures: Mapping[str, object]) -> None:
     """Put a row into a CSV table, in place of an older one of the same case, with the version that made it."""
-    head = subprocess.run(
-        ["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True, check=False
-    ).stdout.strip()
-    new = {k: str(v) for k, v in figures.items()} | {"version": pockmark.__version__, "commit": head}
+    new = {k: str(v) for k, v in figures.items()} | {"version": pockmark.__version__, "commit": commit()}
     rows: list[dict[str, str]] = []
     if path.exists():
         with path.open(newline="", encoding="utf-8") as file:

@@ -210,7 +210,8 @@ def test_usf_and_musl_err_in_proportion_to_the_step():
 
 
 @pytest.mark.xfail(
-    strict=True, reason="cell-crossing noise: without dissipation it outgrows the plateau, see ARCHITECTURE"
+    strict=True,
+    reason="cell-crossing noise outgrows the plateau where nothing dissipates: ARCHITECTURE.md, Known limits",
 )
 @pytest.mark.parametrize("scheme", ["usf", "musl"])
 def test_trilinear_usf_and_musl_hold_the_plateau(scheme):
