@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "portable.hpp"
+#include "lanes.hpp"
 
 namespace pockmark {
 
@@ -23,6 +23,16 @@ inline constexpr std::array counter_names{"left_points",     "lost_points",     
                                           "melted_points",   "failure_treatments", "eos_caps",
                                           "return_failures", "node_cutoffs",       "strain_limited_steps"};
 
+// Of one pack of points after another; added to an Audit every few hundred points.
+template <class V>
+struct Tally {
+  std::array<std::int64_t, counter_names.size()> counts{};
+  V wave_speed = V(0), volumetric_rate = V(0), compression = V(0);  // largest of each lane
+  V plastic_work = V(0), viscous_work = V(0);
+
+  PM_HD void count(Counter c, mask_t<V> mask) { counts[std::size_t(c)] += pockmark::count(mask); }
+};
+
 // One a slab, added up in slab order, so that sums do not depend on the number of threads.
 struct Audit {
   std::array<std::int64_t, counter_names.size()> counts{};
@@ -31,14 +41,15 @@ struct Audit {
   double compression = 0;      // largest rho/rho0
   double plastic_work = 0, viscous_work = 0;
 
-  PM_HD void count(Counter c) { ++counts[std::size_t(c)]; }
-  void absorb(const Audit& other) {
+  void count(Counter c) { ++counts[std::size_t(c)]; }
+  template <class Other>
+  void absorb(const Other& other) {
     for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += other.counts[i];
-    wave_speed = std::max(wave_speed, other.wave_speed);
-    volumetric_rate = std::max(volumetric_rate, other.volumetric_rate);
-    compression = std::max(compression, other.compression);
-    plastic_work += other.plastic_work;
-    viscous_work += other.viscous_work;
+    wave_speed = std::max(wave_speed, largest_of(other.wave_speed));
+    volumetric_rate = std::max(volumetric_rate, largest_of(other.volumetric_rate));
+    compression = std::max(compression, largest_of(other.compression));
+    plastic_work += sum_of(other.plastic_work);
+    viscous_work += sum_of(other.viscous_work);
   }
 };
 

@@ -19,6 +19,12 @@ using namespace pockmark;
 
 namespace {
 
+#ifdef POCKMARK_LANES
+constexpr bool has_lanes = true;
+#else
+constexpr bool has_lanes = false;
+#endif
+
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 
 // A material as Python writes it; converted to the solver's precision on the way in.
@@ -68,14 +74,14 @@ struct StressProbe {
     const std::size_t n = states.size() / 13;
     if (gradients.size() != 9 * n) throw std::invalid_argument("gradients: nine numbers a state are needed");
     std::vector<double> out(14 * n);
-    Audit audit;
+    Tally<double> tally;
     for (std::size_t i = 0; i < n; ++i) {
       const double* s = states.data() + 13 * i;
       const double* g = gradients.data() + 9 * i;
       PointState<double> point{s[0], s[1], s[2], s[3],
                                s[4], s[5], s[6], {s[7], s[8], s[9], s[10], s[11], s[12]}};
       const VelocityGradient<double> L{{g[0], g[1], g[2], g[3], g[4], g[5]}, {g[6], g[7], g[8]}};
-      const double c = update(point, L, mass, audit);
+      const double c = update(point, L, mass, true, tally);
       const auto& d = point.deviator;
       const double row[14] = {point.volume,
                               point.energy,
@@ -259,7 +265,7 @@ void bind_solver(nb::module_& m, const char* name) {
 
 }  // namespace
 
-NB_MODULE(_core, m) {
+NB_MODULE(POCKMARK_MODULE, m) {
   nb::enum_<Face>(m, "Face")
       .value("free", Face::free)
       .value("symmetry", Face::symmetry)
@@ -334,7 +340,7 @@ NB_MODULE(_core, m) {
           },
           "D1"_a, "D2"_a, "D3"_a, "D4"_a, "D5"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a, "treatment"_a,
           "floor"_a, "triaxiality_min"_a, "triaxiality_max"_a)
-      .def("failure_strain", &JohnsonCookFailure<double>::failure_strain, "triaxiality"_a, "rate"_a,
+      .def("failure_strain", &JohnsonCookFailure<double>::failure_strain<double>, "triaxiality"_a, "rate"_a,
            "temperature"_a);
   nb::class_<MaterialSpec>(m, "Material")
       .def(
@@ -351,10 +357,11 @@ NB_MODULE(_core, m) {
       .def(
           "__init__",
           [](Options* self, Scheme scheme, ShapeFunction shape, double cfl, double strain_limit,
-             double pic_fraction, double mass_cutoff) {
-            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff};
+             double pic_fraction, double mass_cutoff, bool lanes) {
+            if (lanes && !has_lanes) throw std::invalid_argument("this core was built without SIMD lanes");
+            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff, lanes};
           },
-          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a);
+          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a, "lanes"_a);
 
   bind_solver<double>(m, "Solver");
   bind_solver<float>(m, "SolverSingle");
@@ -376,12 +383,24 @@ NB_MODULE(_core, m) {
     nb::dict d;
     d["compiler"] = __VERSION__;
     d["flags"] = POCKMARK_FLAGS;
+    d["isa"] = POCKMARK_ISA;
+    d["lanes"] = has_lanes;
 #ifdef _OPENMP
     d["openmp"] = true;
 #else
     d["openmp"] = false;
 #endif
     return d;
+  });
+  // Instruction sets that pockmark is built for and this processor has, the best first.
+  m.def("supported_isas", [] {
+    std::vector<std::string> isas;
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("x86-64-v4")) isas.push_back("avx512");
+    if (__builtin_cpu_supports("x86-64-v3")) isas.push_back("avx2");
+#endif
+    isas.push_back("scalar");
+    return isas;
   });
   m.def("copy_bandwidth", &copy_bandwidth, "threads"_a, nb::call_guard<nb::gil_scoped_release>());
 }

@@ -81,7 +81,7 @@ void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, 
     for (std::size_t p = run.begin; p < run.end; ++p) {
       const auto position = points.vector(Field::position, p);
       if (int(std::floor(geometry.local(position[axis], axis))) != layer) continue;
-      T x[3] = {position.x, position.y, position.z};
+      Vec3<T> x = position;
       x[axis] = face % 2 ? geometry.upper(axis) : geometry.lower[axis];
       int base[3] = {run.base[0], run.base[1], run.base[2]};
       // The linear stencil of the upper face ends on it; the base of its own would lie one cell outside.

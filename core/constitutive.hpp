@@ -1,8 +1,5 @@
 // The stress update of one material point: equation of state, radial return, damage, heat, bulk viscosity.
 #pragma once
-#include <algorithm>
-#include <cmath>
-
 #include "audit.hpp"
 #include "damage/johnson_cook_failure.hpp"
 #include "eos/linear.hpp"
@@ -32,7 +29,10 @@ struct Material {
 
   T specific_volume;  // 1/rho0
 
-  PM_HD T reference_volume(T mass) const { return mass * specific_volume; }
+  template <class V>
+  PM_HD V reference_volume(V mass) const {
+    return mass * specific_volume;
+  }
   PM_HD T density() const {
     return eos.visit([](const auto& e) { return e.density; });
   }
@@ -49,130 +49,145 @@ struct Material {
 };
 
 // Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0; ratio = V/V0.
-template <class T>
-PM_HD T stress_power(const PointState<T>& point, const Sym3<T>& rate, T ratio) {
+template <class V>
+PM_HD V stress_power(const PointState<V>& point, const Sym3<V>& rate, V ratio) {
   return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) * ratio;
 }
 
 // Of a volume through a volumetric strain, taken at mid-step.
-template <class T>
-PM_HD T stretch(T strain) {
-  return (T(1) + T(0.5) * strain) / (T(1) - T(0.5) * strain);
+template <class V>
+PM_HD V stretch(V strain) {
+  const V half = V(0.5) * strain;
+  return (V(1) + half) / (V(1) - half);
+}
+
+// The deviator after an elastic strain and its spin.
+template <class V, class T>
+PM_HD Sym3<V> strained(const Sym3<V>& s, const VelocityGradient<V>& L, T shear_modulus, T dt) {
+  return rotate(s, V(dt) * L.spin) + V(T(2) * shear_modulus * dt) * deviator(L.strain_rate);
 }
 
 // Moves the point through a strain of duration dt under its old stress: pays the whole work of that stress,
 // takes the volume along, and leaves an elastic trial deviator for the StressUpdate that follows.
-template <class T>
-PM_HD void strain_elastically(const Material<T>& material, PointState<T>& point, const VelocityGradient<T>& L,
-                              T mass, T dt) {
-  point.energy += dt * stress_power(point, L.strain_rate, point.volume / material.reference_volume(mass));
-  point.volume *= stretch(trace(L.strain_rate) * dt);
-  if (point.damage >= T(1)) return;
-  point.deviator =
-      rotate(point.deviator, dt * L.spin) + (T(2) * material.shear_modulus() * dt) * deviator(L.strain_rate);
+template <class V, class T>
+PM_HD void strain_elastically(const Material<T>& material, PointState<V>& point, const VelocityGradient<V>& L,
+                              V mass, T dt) {
+  const V ratio = point.volume / material.reference_volume(mass);
+  point.energy += dt * stress_power(point, L.strain_rate, ratio);
+  point.volume *= stretch(dt * trace(L.strain_rate));
+  const auto intact = point.damage < V(1);
+  point.deviator = select(intact, strained(point.deviator, L, material.shear_modulus(), dt), point.deviator);
 }
 
-template <class T>
+// For one point, or for a pack of points of one material.
+template <class V>
 struct StressUpdate {
+  using T = number_t<V>;
+  using Mask = mask_t<V>;
   const Material<T>& material;
   T cell;
   T dt;                    // duration of the strain
   T step;                  // duration of the whole step, for plastic strain rates
   T old_share, new_share;  // weights of sigma_old : D and sigma_new : D in the energy paid here
 
-  // Advances the point by dt under the velocity gradient `L`. Returns its sound speed (m/s).
-  PM_HD T operator()(PointState<T>& point, const VelocityGradient<T>& L, T mass, Audit& audit) const {
-    const T reference_volume = material.reference_volume(mass);
+  // Advances the points by dt under the velocity gradient `L`. Returns their sound speed (m/s). Only `active`
+  // lanes are tallied.
+  PM_HD V operator()(PointState<V>& point, const VelocityGradient<V>& L, V mass, Mask active,
+                     Tally<V>& tally) const {
+    const V per_reference = V(1) / material.reference_volume(mass);
     if (old_share > T(0))
-      point.energy += old_share * dt * stress_power(point, L.strain_rate, point.volume / reference_volume);
+      point.energy += old_share * dt * stress_power(point, L.strain_rate, point.volume * per_reference);
 
-    const T rate = trace(L.strain_rate);
-    point.volume *= stretch(rate * dt);
-    audit.volumetric_rate = std::max(audit.volumetric_rate, double(std::abs(rate)));
+    const V rate = trace(L.strain_rate);
+    point.volume *= stretch(dt * rate);
+    tally.volumetric_rate = select(active, max(tally.volumetric_rate, absolute(rate)), tally.volumetric_rate);
 
-    const T ratio = point.volume / reference_volume;
-    const T plastic = update_deviator(point, L, audit);
-    const T c = update_pressure(point, L.strain_rate, ratio, audit);
-    update_damage(point, plastic, L.strain_rate, ratio, audit);
+    const V ratio = point.volume * per_reference;
+    const V plastic = update_deviator(point, L, active, tally);
+    const V c = update_pressure(point, L.strain_rate, ratio, active, tally);
+    if (any(V(0) < plastic)) update_damage(point, plastic, L.strain_rate, ratio, active, tally);
     return c;
   }
 
  private:
-  PM_HD T update_deviator(PointState<T>& point, const VelocityGradient<T>& L, Audit& audit) const {
-    if (point.damage >= T(1)) {
-      point.deviator = {};
-      return T(0);
-    }
+  // Returns the effective plastic strain increment.
+  PM_HD V update_deviator(PointState<V>& point, const VelocityGradient<V>& L, Mask active,
+                          Tally<V>& tally) const {
+    const auto intact = point.damage < V(1);
     const T g = material.shear_modulus();
-    point.deviator = rotate(point.deviator, dt * L.spin) + (T(2) * g * dt) * deviator(L.strain_rate);
-    const T trial = effective(point.deviator);
+    point.deviator =
+        select(intact, strained(point.deviator, L, g, dt), Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
+    const V trial = effective(point.deviator);
     const auto back = material.strength.visit(
         [&](const auto& s) { return s.return_map(trial, point.plastic_strain, point.temperature, step); });
-    if (!back.converged) audit.count(Counter::return_failures);
-    const T increment = back.strain_increment;
-    if (increment <= T(0)) return T(0);
-    const T flow = trial - T(3) * g * increment;
-    point.deviator = (flow / trial) * point.deviator;
+    const V increment = back.strain_increment;
+    const auto yields = active && V(0) < increment;
+    tally.count(Counter::return_failures, active && !back.converged);
+    if (!any(yields)) return V(0);
+    const V flow = trial - T(3) * g * increment;
+    point.deviator = select(yields, flow / select(yields, trial, V(1)), V(1)) * point.deviator;
     point.plastic_strain += increment;
-    const T work = flow * increment;  // per current volume
-    audit.plastic_work += double(work * point.volume);
+    const V work = flow * increment;  // per current volume
+    tally.plastic_work += select(yields, work * point.volume, V(0));
     return increment;
   }
 
-  // ratio = V/V0.
-  PM_HD T update_pressure(PointState<T>& point, const Sym3<T>& strain_rate, T ratio, Audit& audit) const {
-    const T compression = T(1) / ratio;
-    const T rate = trace(strain_rate), strain = rate * dt;
-    const auto isochore = material.eos.visit([&](const auto& e) { return e.at(compression - T(1)); });
-    if (isochore.capped) audit.count(Counter::eos_caps);
-    audit.compression = std::max(audit.compression, double(compression));
+  PM_HD V update_pressure(PointState<V>& point, const Sym3<V>& strain_rate, V ratio, Mask active,
+                          Tally<V>& tally) const {
+    const V compression = V(1) / ratio;
+    const V rate = trace(strain_rate), strain = dt * rate;
+    const auto isochore = material.eos.visit([&](const auto& e) { return e.at(compression - V(1)); });
+    tally.count(Counter::eos_caps, active && isochore.capped);
+    tally.compression = select(active, max(tally.compression, compression), tally.compression);
 
-    const T bulk_c2 =
-        material.specific_volume * std::max(isochore.stiffness(point.pressure, point.energy, ratio), T(0));
-    point.viscosity = T(0);
-    if (rate < T(0))
-      point.viscosity = material.density() * compression * cell * -rate *
-                        (material.q_quadratic * cell * -rate + material.q_linear * std::sqrt(bulk_c2));
+    const V stiffness = isochore.stiffness(point.pressure, point.energy, ratio);
+    const V bulk_c2 = material.specific_volume * max(stiffness, V(0));
+    const V closing = max(-rate, V(0));
+    point.viscosity = material.density() * cell * compression * closing *
+                      (material.q_quadratic * cell * closing + material.q_linear * root(bulk_c2));
 
     // E1 = E + w (s:D' - (p1+q) tr D) V/V0 dt with p1 = cold + thermal E1, solved together.
-    const T weight = new_share * ratio;
-    const T known =
+    const V weight = new_share * ratio;
+    const V known =
         point.energy + weight * (dt * double_dot(point.deviator, strain_rate) - point.viscosity * strain);
-    T p = (isochore.cold + isochore.thermal * known) / (T(1) + isochore.thermal * weight * strain);
-    if (point.damage >= T(1)) p = std::max(p, T(0));
-    point.pressure = p;
-    point.energy = known - weight * p * strain;
-    audit.viscous_work -= double(point.viscosity * strain * point.volume);
+    const V p = (isochore.cold + isochore.thermal * known) / (V(1) + isochore.thermal * weight * strain);
+    const auto intact = point.damage < V(1);
+    point.pressure = select(intact, p, max(p, V(0)));
+    point.energy = known - weight * point.pressure * strain;
+    tally.viscous_work -= select(active, point.viscosity * strain * point.volume, V(0));
 
-    const T shear = point.damage >= T(1)
-                        ? T(0)
-                        : T(4) / T(3) * material.shear_modulus() * ratio * material.specific_volume;
-    return std::sqrt(bulk_c2 + shear);
+    const T shear = T(4.0 / 3.0) * material.shear_modulus() * material.specific_volume;
+    return root(bulk_c2 + select(intact, shear * ratio, V(0)));
   }
 
-  PM_HD void update_damage(PointState<T>& point, T plastic, const Sym3<T>& strain_rate, T ratio,
-                           Audit& audit) const {
-    if (point.damage >= T(1) || plastic <= T(0)) return;
-    const T flow = effective(point.deviator);
+  PM_HD void update_damage(PointState<V>& point, V plastic, const Sym3<V>& strain_rate, V ratio, Mask active,
+                           Tally<V>& tally) const {
+    const auto yields = active && V(0) < plastic;
+    const V flow = effective(point.deviator);
     const auto damage = material.failure.visit([&](const auto& f) {
-      return f.step(plastic, -point.pressure, flow, plastic / step, point.temperature);
+      return f.step(plastic, -point.pressure, flow, plastic * (T(1) / step), point.temperature);
     });
-    point.damage = std::max(point.damage + damage.increment, T(0));
-    if (damage.treated) audit.count(Counter::failure_treatments);
+    const bool may_fail = material.failure.visit([](const auto& f) { return f.may_fail; });
+    point.damage = select(yields, max(point.damage + damage.increment, V(0)), point.damage);
+    tally.count(Counter::failure_treatments, yields && damage.treated);
 
     // Plastic work to heat: dT = chi sigma d eps / (rho C_p).
-    const T work = flow * plastic * ratio;
-    point.temperature += material.taylor_quinney * material.specific_volume * work / material.specific_heat;
-    const bool melted = damage.may_fail && point.temperature >= material.t_melt;
-    if (melted) audit.count(Counter::melted_points);
-    if (melted) point.damage = std::max(point.damage, T(1));
-    if (point.damage < T(1)) return;
-    audit.count(Counter::failed_points);
+    const T heat = material.taylor_quinney * material.specific_volume / material.specific_heat;
+    point.temperature += select(yields, heat * flow * plastic * ratio, V(0));
+    if (!may_fail) return;
+    const auto melted = yields && V(material.t_melt) <= point.temperature;
+    tally.count(Counter::melted_points, melted);
+    point.damage = select(melted, max(point.damage, V(1)), point.damage);
+    const auto failed = yields && V(1) <= point.damage;
+    if (!any(failed)) return;
+    tally.count(Counter::failed_points, failed);
     // The nodes will feel the failed stress, so that is what the energy is paid with.
-    point.energy -= new_share * dt * stress_power(point, strain_rate, ratio);
-    point.deviator = {};
-    point.pressure = std::max(point.pressure, T(0));
-    point.energy += new_share * dt * stress_power(point, strain_rate, ratio);
+    auto after = point;
+    after.energy -= new_share * dt * stress_power(after, strain_rate, ratio);
+    after.deviator = {V(0), V(0), V(0), V(0), V(0), V(0)};
+    after.pressure = max(after.pressure, V(0));
+    after.energy += new_share * dt * stress_power(after, strain_rate, ratio);
+    point = select(failed, after, point);
   }
 };
 

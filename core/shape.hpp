@@ -1,8 +1,8 @@
-// Shape functions of one axis: which nodes a point touches, their weights and slopes (per cell).
+// Shape functions: which nodes a point touches, their weights and slopes.
 #pragma once
 #include <cmath>
 
-#include "portable.hpp"
+#include "tensor.hpp"
 
 namespace pockmark {
 
@@ -11,10 +11,11 @@ template <class T>
 struct Linear {
   static constexpr int support = 2;
   PM_HD static int base(T xi) { return int(std::floor(xi)); }
-  PM_HD static void weights(T xi, int base, T* w, T* slope) {
-    const T f = xi - T(base);
+  template <class V>
+  PM_HD static void weights(V xi, int base, V* w, V* slope) {
+    const V f = xi - T(base);
     w[0] = T(1) - f, w[1] = f;
-    slope[0] = T(-1), slope[1] = T(1);
+    slope[0] = V(-1), slope[1] = V(1);
   }
 };
 
@@ -23,28 +24,29 @@ template <class T>
 struct Quadratic {
   static constexpr int support = 3;
   PM_HD static int base(T xi) { return int(std::floor(xi - T(0.5))); }
-  PM_HD static void weights(T xi, int base, T* w, T* slope) {
-    const T f = xi - T(base);
-    const T a = T(1.5) - f, b = f - T(1), c = f - T(0.5);
+  template <class V>
+  PM_HD static void weights(V xi, int base, V* w, V* slope) {
+    const V f = xi - T(base);
+    const V a = T(1.5) - f, b = f - T(1), c = f - T(0.5);
     w[0] = T(0.5) * a * a, w[1] = T(0.75) - b * b, w[2] = T(0.5) * c * c;
     slope[0] = -a, slope[1] = T(-2) * b, slope[2] = c;
   }
 };
 
-// The tensor product at one point. Slopes are per metre.
-template <class Shape, class T>
+// The weights along each axis at a point, or at a pack of points with the same nodes. Slopes are per metre.
+template <class Shape, class V>
 struct Stencil {
   static constexpr int S = Shape::support;
-  T w[3][S], g[3][S];
+  V w[3][S], g[3][S];
 
   template <class Geometry>
-  PM_HD Stencil(const Geometry& grid, const T (&x)[3], const int (&base)[3]) {
+  PM_HD Stencil(const Geometry& grid, const Vec3<V>& x, const int (&base)[3]) {
     for (int a = 0; a < 3; ++a) {
       Shape::weights(grid.local(x[a], a), base[a], w[a], g[a]);
       for (int i = 0; i < S; ++i) g[a][i] *= grid.per_metre;
     }
   }
-  PM_HD T weight(int i, int j, int k) const { return w[0][i] * w[1][j] * w[2][k]; }
+  PM_HD V weight(int i, int j, int k) const { return w[0][i] * w[1][j] * w[2][k]; }
 };
 
 }  // namespace pockmark

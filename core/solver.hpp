@@ -6,12 +6,12 @@
 #include <string>
 
 #include "boundary.hpp"
-#include "constitutive.hpp"
+#include "cpu/scatter.hpp"
 #include "cpu/slabs.hpp"
 #include "cpu/sort.hpp"
 #include "grid_update.hpp"
 #include "timers.hpp"
-#include "transfer.hpp"
+#include "update.hpp"
 
 namespace pockmark {
 
@@ -25,6 +25,7 @@ struct Options {
   double strain_limit;  // dt <= strain_limit / |tr D|
   double pic_fraction;
   double mass_cutoff;  // in units of the lightest rho0 h^3
+  bool lanes;          // SIMD: packs of points
 };
 
 // Where the energy is (J).
@@ -72,7 +73,7 @@ class Solver {
   std::int64_t cycle() const { return cycle_; }
 
   void initialize() {
-    with_shape([&](auto shape) { locate<decltype(shape)>(true); });
+    with_kernels([&](auto kernels) { locate<decltype(kernels)>(true); });
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const auto& m = materials_[points_.body[p]];
       const auto v = points_.vector(Field::velocity, p);
@@ -85,14 +86,14 @@ class Solver {
 
   std::int64_t advance(std::int64_t max_steps, double end_time) {
     const std::int64_t start = cycle_;
-    with_shape([&](auto shape) {
+    with_kernels([&](auto kernels) {
       while (cycle_ - start < max_steps && time_ < end_time) {
         if (points_.size() == 0) {
           time_ = end_time;  // everything left: nothing more can happen
           break;
         }
         choose_step(end_time);
-        step<decltype(shape)>();
+        step<decltype(kernels)>();
       }
     });
     return cycle_ - start;
@@ -109,7 +110,7 @@ class Solver {
 
   // The deviator of a point with its trial part (see strain_elastically) returned to the yield surface.
   Sym3<T> settled_deviator(std::size_t p) const {
-    const auto point = points_.load(p);
+    const auto point = points_.state(p);
     const T trial = effective(point.deviator);
     if (trial <= T(0) || point.damage >= T(1)) return point.deviator;
     const auto& m = materials_[points_.body[p]];
@@ -132,32 +133,40 @@ class Solver {
  private:
   static constexpr int steps_between_sorts = 8;
 
+  // The shape functions, and what the kernels compute with: a number at a time, or a pack.
+  template <class ShapeOf, class Values>
+  struct Kernels {
+    using Shape = ShapeOf;
+    using V = Values;
+  };
   template <class F>
-  void with_shape(F&& f) {
-    options_.shape == ShapeFunction::trilinear ? f(Linear<T>{}) : f(Quadratic<T>{});
+  void with_kernels(F&& f) {
+    const auto with_shape = [&]<class V>(V) {
+      options_.shape == ShapeFunction::trilinear ? f(Kernels<Linear<T>, V>{}) : f(Kernels<Quadratic<T>, V>{});
+    };
+#ifdef POCKMARK_LANES
+    if (options_.lanes) return with_shape(Lanes<T>{});
+#endif
+    with_shape(T{});
   }
 
   // The seven steps. `before` is the nodal velocity at k-1/2, `after` at k+1/2.
-  template <class Shape>
+  template <class K>
   void step() {
     const Scheme scheme = options_.scheme;
-    const auto stress = [&](const std::vector<Quad<T>>& velocity) {
-      timers_.time("stress", [&] { update_stress<Shape>(velocity); });
-    };
     timers_.time("clear", [&] { clear(); });
-    timers_.time("p2g", [&] { map_to_grid<Shape>(); });                                  // (1)
+    timers_.time("p2g", [&] { map_to_grid<K>(); });                                      // (1)
     timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before); });  // (2)
-    if (scheme == Scheme::usf || scheme == Scheme::usavg) stress(grid_.before);          // (3)
-    timers_.time("forces", [&] { map_forces<Shape>(); });                                // (4)
-    timers_.time("momentum", [&] { integrate_momentum(); });                             // (5)
-    timers_.time("g2p", [&] { map_to_points<Shape>(); });                                // (6)
+    const bool first = scheme == Scheme::usf || scheme == Scheme::usavg;
+    timers_.time("stress", [&] { stress_and_forces<K>(first ? &grid_.before : nullptr, true); });  // (3, 4)
+    timers_.time("momentum", [&] { integrate_momentum(); });                                       // (5)
     const bool remaps = scheme == Scheme::musl || scheme == Scheme::usavg;
-    if (remaps) timers_.time("remap", [&] { remap<Shape>(); });
+    timers_.time("g2p", [&] { map_to_points<K>(remaps); });  // (6)
     timers_.time("absorbed", [&] { account_for_absorbed(remaps ? grid_.remapped : grid_.after); });
-    if (scheme == Scheme::musl) stress(grid_.remapped);
-    if (scheme == Scheme::usl) stress(grid_.after);
-    timers_.time("move", [&] { move<Shape>(); });
-    timers_.time("sort", [&] { locate<Shape>(cycle_ % steps_between_sorts == 0); });
+    if (!first)
+      timers_.time("stress", [&] { stress_and_forces<K>(remaps ? &grid_.remapped : &grid_.after, false); });
+    timers_.time("move", [&] { move<K>(); });
+    timers_.time("sort", [&] { locate<K>(cycle_ % steps_between_sorts == 0); });
     time_ = next_time_;  // (7)
     ++cycle_;
   }
@@ -184,11 +193,13 @@ class Solver {
     }
   }
 
-  template <class Shape>
+  template <class K>
   void map_to_grid() {
-    slabs_.scatter(points_, threads_, [&](int, const Run& run) {
-      add_momentum<Shape>(points_, grid_.geometry, run, grid_.before);
-      add_damping<Shape>(points_, grid_, faces_, run, impedance_);
+    slabs_.scatter(threads_, [&](int, const Block& block) {
+      for_each_run(points_, grid_.geometry, block, [&](const Run& run) {
+        cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, run, grid_.before);
+        add_damping<typename K::Shape>(points_, grid_, faces_, run, impedance_);
+      });
     });
     fold(grid_.geometry, faces_, grid_.before, Mirrored::vector);
     fold(grid_.geometry, faces_, grid_.damping, Mirrored::magnitudes);
@@ -202,37 +213,31 @@ class Solver {
       if (field[i].v[3] > T(0)) field[i].set_vector((T(1) / field[i].v[3]) * field[i].vector());
   }
 
-  template <class Shape>
-  void update_stress(const std::vector<Quad<T>>& velocity) {
+  // Stress from a nodal velocity, if there is one, and the forces of the stress, if they are wanted: block by
+  // block, while its points are in the cache.
+  template <class K>
+  void stress_and_forces(const std::vector<Quad<T>>* velocity, bool forces) {
     // USAVG strains by half a step here, pays it with the new stress, and by half after the forces
     // (move()).
     const bool average = options_.scheme == Scheme::usavg;
-    const T dt = T(average ? dt_ / 2 : dt_), old_share = T(average ? 0 : 0.5);
+    const T old_share = T(average ? 0 : 0.5);
+    const StressStep<T> step{T(average ? dt_ / 2 : dt_), T(dt_), old_share, T(1) - old_share};
     std::vector<Audit> audits(slabs_.count());
-    slabs_.gather(points_, threads_, [&](int slab, const Run& run) {
-      Patch<Shape, T> patch;
-      patch.load(grid_.geometry, run.base, velocity);
-      for (std::size_t p = run.begin; p < run.end; ++p) {
-        const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
-        auto point = points_.load(p);
-        const StressUpdate<T> update{
-            materials_[points_.body[p]], grid_.geometry.cell, dt, T(dt_), old_share, T(1) - old_share};
-        const T c = update(point, gradient<Shape>(n, patch), points_.at(Field::mass)[p], audits[slab]);
-        points_.store(p, point);
-        const auto v = points_.vector(Field::velocity, p);
-        audits[slab].wave_speed = std::max(audits[slab].wave_speed, double(c + std::sqrt(dot(v, v))));
-      }
-    });
+    const auto work = [&](int slab, const Block& block) {
+      if (velocity)
+        update_stress<typename K::Shape, typename K::V>(points_, grid_.geometry, materials_, block, *velocity,
+                                                        step, audits[slab]);
+      if (forces)
+        for_each_run(points_, grid_.geometry, block, [&](const Run& run) {
+          cpu::scatter_force<typename K::Shape, typename K::V>(points_, grid_.geometry, run, grid_.force);
+        });
+    };
+    forces ? slabs_.scatter(threads_, work) : slabs_.gather(threads_, work);
+    if (forces) fold(grid_.geometry, faces_, grid_.force, Mirrored::vector);
+    if (!velocity) return;
     extremes_ = {};
     for (const auto& a : audits) extremes_.absorb(a);
     audit_.absorb(extremes_);
-  }
-
-  template <class Shape>
-  void map_forces() {
-    slabs_.scatter(points_, threads_,
-                   [&](int, const Run& run) { add_internal_force<Shape>(points_, grid_, run); });
-    fold(grid_.geometry, faces_, grid_.force, Mirrored::vector);
   }
 
   // f(node, sum) over the nodes of each plane; the sums of the planes are added in order.
@@ -269,50 +274,37 @@ class Solver {
     });
   }
 
-  template <class Shape>
-  void map_to_points() {
+  template <class K>
+  void map_to_points(bool remaps) {
     std::vector<double> taken(slabs_.count());
-    slabs_.gather(points_, threads_, [&](int slab, const Run& run) {
-      taken[slab] += update_velocities<Shape>(points_, grid_, run, T(options_.pic_fraction));
-    });
+    const auto work = [&](int slab, const Block& block) {
+      taken[slab] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
+                                                                         T(options_.pic_fraction));
+      if (remaps)
+        for_each_run(points_, grid_.geometry, block, [&](const Run& run) {
+          cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, run,
+                                                                  grid_.remapped);
+        });
+    };
+    remaps ? slabs_.scatter(threads_, work) : slabs_.gather(threads_, work);
     for (double t : taken) pic_energy_ += t;
-  }
-
-  template <class Shape>
-  void remap() {
-    slabs_.scatter(points_, threads_, [&](int, const Run& run) {
-      add_momentum<Shape>(points_, grid_.geometry, run, grid_.remapped);
-    });
+    if (!remaps) return;
     fold(grid_.geometry, faces_, grid_.remapped, Mirrored::vector);
     momentum_to_velocity(grid_.remapped);
     constrain(grid_.geometry, faces_, grid_.remapped);
   }
 
-  // x += dt sum N v_after; in USAVG the second half of the strain goes with it.
-  template <class Shape>
+  template <class K>
   void move() {
-    const bool average = options_.scheme == Scheme::usavg;
-    slabs_.gather(points_, threads_, [&](int, const Run& run) {
-      Patch<Shape, T> after, remapped;
-      after.load(grid_.geometry, run.base, grid_.after);
-      if (average) remapped.load(grid_.geometry, run.base, grid_.remapped);
-      for (std::size_t p = run.begin; p < run.end; ++p) {
-        const auto n = stencil_of<Shape>(points_, grid_.geometry, p, run);
-        if (average) {
-          auto point = points_.load(p);
-          strain_elastically(materials_[points_.body[p]], point, gradient<Shape>(n, remapped),
-                             points_.at(Field::mass)[p], T(dt_ / 2));
-          points_.store_strained(p, point);
-        }
-        points_.set_vector(Field::position, p,
-                           points_.vector(Field::position, p) + T(dt_) * interpolate(n, after));
-      }
+    const auto* remapped = options_.scheme == Scheme::usavg ? &grid_.remapped : nullptr;
+    slabs_.gather(threads_, [&](int, const Block& block) {
+      pockmark::move<typename K::Shape, typename K::V>(points_, grid_, materials_, block, remapped, T(dt_));
     });
   }
 
   // The points' cells. They are sorted by cell now and then only: the kernels need each point near its slab,
   // and like neighbours in memory, no more.
-  template <class Shape>
+  template <class K>
   void locate(bool sort_now) {
     const std::int64_t n = std::int64_t(points_.size());
     bool any_outside = false;
@@ -320,7 +312,7 @@ class Solver {
     for (std::int64_t p = 0; p < n; ++p) {
       const auto x = points_.vector(Field::position, p);
       const bool inside = face_crossed(x) < 0;
-      points_.cell[p] = inside ? std::uint32_t(base_node<Shape>(x)) : cpu::gone;
+      points_.cell[p] = inside ? std::uint32_t(base_node<K>(x)) : cpu::gone;
       any_outside = any_outside || !inside;
     }
     if (any_outside) account_for_departed();
@@ -329,10 +321,11 @@ class Solver {
     slabs_.locate(points_, grid_.geometry);
   }
 
-  template <class Shape>
+  template <class K>
   std::size_t base_node(const Vec3<T>& x) const {
     const auto& g = grid_.geometry;
-    return g.index(Shape::base(g.local(x.x, 0)), Shape::base(g.local(x.y, 1)), Shape::base(g.local(x.z, 2)));
+    return g.index(K::Shape::base(g.local(x.x, 0)), K::Shape::base(g.local(x.y, 1)),
+                   K::Shape::base(g.local(x.z, 2)));
   }
 
   // The face behind which a point lies, or -1. Not-a-number counts as outside.

@@ -11,11 +11,22 @@
 namespace pockmark {
 
 // One material point as the constitutive update sees it.
-template <class T>
+template <class V>
 struct PointState {
-  T volume, energy, pressure, viscosity, plastic_strain, temperature, damage;
-  Sym3<T> deviator;
+  V volume, energy, pressure, viscosity, plastic_strain, temperature, damage;
+  Sym3<V> deviator;
 };
+template <class M, class V>
+PM_HD PointState<V> select(M m, const PointState<V>& a, const PointState<V>& b) {
+  return {select(m, a.volume, b.volume),
+          select(m, a.energy, b.energy),
+          select(m, a.pressure, b.pressure),
+          select(m, a.viscosity, b.viscosity),
+          select(m, a.plastic_strain, b.plastic_strain),
+          select(m, a.temperature, b.temperature),
+          select(m, a.damage, b.damage),
+          select(m, a.deviator, b.deviator)};
+}
 
 // Structure of arrays, one array a component, in the order of the background grid's cells.
 template <class T>
@@ -39,41 +50,53 @@ struct Particles {
     cell.resize(count);
   }
 
-  PM_HD Vec3<T> vector(Field field, std::size_t p) const {
-    return {at(field, 0)[p], at(field, 1)[p], at(field, 2)[p]};
+  // Of point p, or of the n points from p on in the lanes of V.
+  template <class V = T>
+  PM_HD V load(Field field, std::size_t p, int n = Pack<V>::width, int component = 0) const {
+    return Pack<V>::load(at(field, component) + p, n);
   }
-  PM_HD void set_vector(Field field, std::size_t p, const Vec3<T>& v) {
-    at(field, 0)[p] = v.x, at(field, 1)[p] = v.y, at(field, 2)[p] = v.z;
+  template <class V = T>
+  PM_HD Vec3<V> vector(Field field, std::size_t p, int n = Pack<V>::width) const {
+    return {load<V>(field, p, n, 0), load<V>(field, p, n, 1), load<V>(field, p, n, 2)};
   }
-  PM_HD Sym3<T> deviator(std::size_t p) const {
-    const auto s = [&](int c) { return at(Field::deviator, c)[p]; };
+  template <class V>
+  PM_HD void set_vector(Field field, std::size_t p, const Vec3<V>& v, int n = Pack<V>::width) {
+    for (int a = 0; a < 3; ++a) Pack<V>::store(at(field, a) + p, v[a], n);
+  }
+  template <class V = T>
+  PM_HD Sym3<V> deviator(std::size_t p, int n = Pack<V>::width) const {
+    const auto s = [&](int c) { return load<V>(Field::deviator, p, n, c); };
     return {s(0), s(1), s(2), s(3), s(4), s(5)};
   }
-  PM_HD PointState<T> load(std::size_t p) const {
-    return {at(Field::volume)[p],         at(Field::energy)[p],
-            at(Field::pressure)[p],       at(Field::viscosity)[p],
-            at(Field::plastic_strain)[p], at(Field::temperature)[p],
-            at(Field::damage)[p],         deviator(p)};
+  template <class V = T>
+  PM_HD PointState<V> state(std::size_t p, int n = Pack<V>::width) const {
+    return {load<V>(Field::volume, p, n),         load<V>(Field::energy, p, n),
+            load<V>(Field::pressure, p, n),       load<V>(Field::viscosity, p, n),
+            load<V>(Field::plastic_strain, p, n), load<V>(Field::temperature, p, n),
+            load<V>(Field::damage, p, n),         deviator<V>(p, n)};
   }
   // What a strain under a given stress changes.
-  PM_HD void store_strained(std::size_t p, const PointState<T>& s) {
-    at(Field::volume)[p] = s.volume;
-    at(Field::energy)[p] = s.energy;
-    const T d[6] = {s.deviator.xx, s.deviator.yy, s.deviator.zz, s.deviator.xy, s.deviator.yz, s.deviator.zx};
-    for (int c = 0; c < 6; ++c) at(Field::deviator, c)[p] = d[c];
+  template <class V>
+  PM_HD void store_strained(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
+    Pack<V>::store(at(Field::volume) + p, s.volume, n);
+    Pack<V>::store(at(Field::energy) + p, s.energy, n);
+    const V d[6] = {s.deviator.xx, s.deviator.yy, s.deviator.zz, s.deviator.xy, s.deviator.yz, s.deviator.zx};
+    for (int c = 0; c < 6; ++c) Pack<V>::store(at(Field::deviator, c) + p, d[c], n);
   }
-  PM_HD void store(std::size_t p, const PointState<T>& s) {
-    store_strained(p, s);
-    at(Field::pressure)[p] = s.pressure;
-    at(Field::viscosity)[p] = s.viscosity;
-    at(Field::plastic_strain)[p] = s.plastic_strain;
-    at(Field::temperature)[p] = s.temperature;
-    at(Field::damage)[p] = s.damage;
+  template <class V>
+  PM_HD void store(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
+    store_strained(p, s, n);
+    Pack<V>::store(at(Field::pressure) + p, s.pressure, n);
+    Pack<V>::store(at(Field::viscosity) + p, s.viscosity, n);
+    Pack<V>::store(at(Field::plastic_strain) + p, s.plastic_strain, n);
+    Pack<V>::store(at(Field::temperature) + p, s.temperature, n);
+    Pack<V>::store(at(Field::damage) + p, s.damage, n);
   }
   // Cauchy stress with the bulk viscosity: what the nodes feel.
-  PM_HD Sym3<T> stress(std::size_t p) const {
-    Sym3<T> s = deviator(p);
-    const T mean = at(Field::pressure)[p] + at(Field::viscosity)[p];
+  template <class V = T>
+  PM_HD Sym3<V> stress(std::size_t p, int n = Pack<V>::width) const {
+    Sym3<V> s = deviator<V>(p, n);
+    const V mean = load<V>(Field::pressure, p, n) + load<V>(Field::viscosity, p, n);
     s.xx -= mean, s.yy -= mean, s.zz -= mean;
     return s;
   }
@@ -99,7 +122,10 @@ struct GridGeometry {
   }
   T upper(int axis) const { return lower[axis] + cells[axis] * cell; }
   // Position in units of cells from the first (padding) node.
-  PM_HD T local(T x, int axis) const { return (x - lower[axis]) * per_metre + pad; }
+  template <class V>
+  PM_HD V local(V x, int axis) const {
+    return (x - lower[axis]) * per_metre + T(pad);
+  }
 };
 
 template <class T>

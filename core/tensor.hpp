@@ -1,8 +1,6 @@
 // Vectors and symmetric tensors of three dimensions.
 #pragma once
-#include <cmath>
-
-#include "portable.hpp"
+#include "lanes.hpp"
 
 namespace pockmark {
 
@@ -74,7 +72,7 @@ PM_HD T trace(const Sym3<T>& a) {
 }
 template <class T>
 PM_HD Sym3<T> deviator(const Sym3<T>& a) {
-  const T mean = trace(a) * (T(1) / T(3));
+  const T mean = T(1.0 / 3.0) * trace(a);
   return {a.xx - mean, a.yy - mean, a.zz - mean, a.xy, a.yz, a.zx};
 }
 template <class T>
@@ -84,7 +82,7 @@ PM_HD T double_dot(const Sym3<T>& a, const Sym3<T>& b) {
 // von Mises effective stress of a deviator, sqrt(3/2 s:s).
 template <class T>
 PM_HD T effective(const Sym3<T>& s) {
-  return std::sqrt(T(1.5) * double_dot(s, s));
+  return root(T(1.5) * double_dot(s, s));
 }
 
 // A velocity gradient split into the rate of strain D and the axial vector w of the spin (W x = w cross x).
@@ -94,11 +92,17 @@ struct VelocityGradient {
   Vec3<T> spin;
 };
 
+template <class M, class T>
+PM_HD Sym3<T> select(M m, const Sym3<T>& a, const Sym3<T>& b) {
+  return {select(m, a.xx, b.xx), select(m, a.yy, b.yy), select(m, a.zz, b.zz),
+          select(m, a.xy, b.xy), select(m, a.yz, b.yz), select(m, a.zx, b.zx)};
+}
+
 // R s R^T, R the Cayley (Hughes-Winget) rotation of the spin increment: exactly orthogonal, so a rigid
 // rotation never changes the norm of the stress.
 template <class T>
 PM_HD Sym3<T> rotate(const Sym3<T>& s, const Vec3<T>& angle) {
-  const T a = angle.x / 2, b = angle.y / 2, c = angle.z / 2;
+  const T half = T(0.5), a = half * angle.x, b = half * angle.y, c = half * angle.z;
   const T f = T(2) / (T(1) + a * a + b * b + c * c);
   const T r[3][3] = {{T(1) - f * (b * b + c * c), f * (a * b - c), f * (a * c + b)},
                      {f * (a * b + c), T(1) - f * (a * a + c * c), f * (b * c - a)},

@@ -1,4 +1,4 @@
-// Between material points and nodes: the kernels of one run of points that share a stencil of nodes.
+// Between material points and nodes: kernels over a block of points, written for numbers (V = T) or packs.
 #pragma once
 #include <cstddef>
 
@@ -7,11 +7,52 @@
 
 namespace pockmark {
 
-// Consecutive points [begin, end) whose stencil starts at the same node.
+// Consecutive points; few enough that what one kernel leaves of them is still in the cache for the next.
+struct Block {
+  static constexpr std::size_t most = 256;
+  std::size_t begin, end;
+};
+
+// Consecutive points of a block whose stencil starts at the same node.
 struct Run {
   std::size_t begin, end;
   int base[3];
 };
+
+// f(run) for each run of the block.
+template <class T, class F>
+PM_HD void for_each_run(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block, F&& f) {
+  const std::uint32_t plane = std::uint32_t(grid.index(1, 0, 0)), row = std::uint32_t(grid.index(0, 1, 0));
+  for (std::size_t begin = block.begin; begin < block.end;) {
+    const std::uint32_t cell = points.cell[begin];
+    std::size_t end = begin + 1;
+    while (end < block.end && points.cell[end] == cell) ++end;
+    f(Run{begin, end, {int(cell / plane), int(cell % plane / row), int(cell % row)}});
+    begin = end;
+  }
+}
+
+// f(first point, number of points) for each pack.
+template <class V, class Range, class F>
+PM_HD void for_each_pack(const Range& range, F&& f) {
+  constexpr std::size_t width = Pack<V>::width;
+  std::size_t p = range.begin;
+  for (; p + width <= range.end; p += width) f(p, int(width));
+  if (p < range.end) f(p, int(range.end - p));
+}
+
+// A column of numbers of the points of a block. Packs may write past their points' end: what follows is
+// written later, or is spare.
+template <class T>
+struct Column {
+  alignas(64) T at[Block::most + 16];
+};
+
+template <class Shape, class T>
+PM_HD Stencil<Shape, T> stencil_of(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t p,
+                                   const Run& run) {
+  return {grid, points.vector(Field::position, p), run.base};
+}
 
 // The S^3 values of a nodal field under a stencil.
 template <class Shape, class T>
@@ -29,6 +70,9 @@ struct Patch {
     for_each(
         [&](int i, int j, int k) { at[i][j][k] = nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)]; });
   }
+  PM_HD void subtract(const Patch& other) {
+    for_each([&](int i, int j, int k) { at[i][j][k].v -= other.at[i][j][k].v; });
+  }
   PM_HD void add_to(const GridGeometry<T>& grid, const int (&base)[3], std::vector<Quad<T>>& nodes) const {
     for_each([&](int i, int j, int k) {
       nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)] += at[i][j][k];
@@ -36,21 +80,164 @@ struct Patch {
   }
 };
 
+// A nodal vector field as a function of position within one stencil.
 template <class Shape, class T>
-PM_HD Stencil<Shape, T> stencil_of(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t p,
-                                   const Run& run) {
-  const auto position = points.vector(Field::position, p);
-  const T x[3] = {position.x, position.y, position.z};
-  return {grid, x, run.base};
-}
+class Interpolant {
+ public:
+  PM_HD explicit Interpolant(const Patch<Shape, T>& patch) : nodes_(patch) {}
+
+  template <class V>
+  PM_HD Vec3<V> value(const GridGeometry<T>& grid, const Vec3<V>& x, const int (&base)[3]) const {
+    const Stencil<Shape, V> n(grid, x, base);
+    Vec3<V> sum{V(0), V(0), V(0)};
+    nodes_.for_each([&](int i, int j, int k) {
+      const V w = n.weight(i, j, k);
+      for (int c = 0; c < 3; ++c) sum[c] += w * nodes_.at[i][j][k].v[c];
+    });
+    return sum;
+  }
+  // derivative[c][a] = d v_c / d x_a (Eq. 13), summed axis by axis.
+  template <class V>
+  PM_HD void gradient(const GridGeometry<T>& grid, const Vec3<V>& x, const int (&base)[3],
+                      V (&derivative)[3][3]) const {
+    constexpr int S = Shape::support;
+    const Stencil<Shape, V> n(grid, x, base);
+    for (int c = 0; c < 3; ++c) {
+      V dx = V(0), dy = V(0), dz = V(0);
+      for (int i = 0; i < S; ++i) {
+        V plane = V(0), plane_y = V(0), plane_z = V(0);
+        for (int j = 0; j < S; ++j) {
+          V line = V(0), line_z = V(0);
+          for (int k = 0; k < S; ++k) {
+            line += n.w[2][k] * nodes_.at[i][j][k].v[c];
+            line_z += n.g[2][k] * nodes_.at[i][j][k].v[c];
+          }
+          plane += n.w[1][j] * line, plane_y += n.g[1][j] * line, plane_z += n.w[1][j] * line_z;
+        }
+        dx += n.g[0][i] * plane, dy += n.w[0][i] * plane_y, dz += n.w[0][i] * plane_z;
+      }
+      derivative[c][0] = dx, derivative[c][1] = dy, derivative[c][2] = dz;
+    }
+  }
+
+ private:
+  Patch<Shape, T> nodes_;
+};
+
+// Trilinear: the polynomial 1, x, y, z, xy, yz, zx, xyz in the cell's own coordinates, 0 to 1.
+template <class T>
+class Interpolant<Linear<T>, T> {
+ public:
+  PM_HD explicit Interpolant(const Patch<Linear<T>, T>& patch) {
+    const auto& n = patch.at;
+    const auto x0 = n[1][0][0].v - n[0][0][0].v, x1 = n[1][1][0].v - n[0][1][0].v;
+    const auto x2 = n[1][0][1].v - n[0][0][1].v, x3 = n[1][1][1].v - n[0][1][1].v;
+    const auto y0 = n[0][1][0].v - n[0][0][0].v, y2 = n[0][1][1].v - n[0][0][1].v;
+    const auto z0 = n[0][0][1].v - n[0][0][0].v;
+    one_.v = n[0][0][0].v, x_.v = x0, y_.v = y0, z_.v = z0;
+    xy_.v = x1 - x0, yz_.v = y2 - y0, zx_.v = x2 - x0, xyz_.v = (x3 - x2) - (x1 - x0);
+  }
+
+  template <class V>
+  PM_HD Vec3<V> value(const GridGeometry<T>& grid, const Vec3<V>& position, const int (&base)[3]) const {
+    const auto f = fraction(grid, position, base);
+    Vec3<V> out;
+    for (int c = 0; c < 3; ++c)
+      out[c] = (one_.v[c] + f.z * z_.v[c]) + f.y * (y_.v[c] + f.z * yz_.v[c]) +
+               f.x * ((x_.v[c] + f.z * zx_.v[c]) + f.y * (xy_.v[c] + f.z * xyz_.v[c]));
+    return out;
+  }
+  template <class V>
+  PM_HD void gradient(const GridGeometry<T>& grid, const Vec3<V>& position, const int (&base)[3],
+                      V (&derivative)[3][3]) const {
+    const auto f = fraction(grid, position, base);
+    const V per_metre = V(grid.per_metre);
+    for (int c = 0; c < 3; ++c) {
+      const V yz = yz_.v[c] + f.x * xyz_.v[c];
+      derivative[c][0] = per_metre * ((x_.v[c] + f.z * zx_.v[c]) + f.y * (xy_.v[c] + f.z * xyz_.v[c]));
+      derivative[c][1] = per_metre * ((y_.v[c] + f.x * xy_.v[c]) + f.z * yz);
+      derivative[c][2] = per_metre * ((z_.v[c] + f.x * zx_.v[c]) + f.y * yz);
+    }
+  }
+
+ private:
+  template <class V>
+  PM_HD static Vec3<V> fraction(const GridGeometry<T>& grid, const Vec3<V>& x, const int (&base)[3]) {
+    return {grid.local(x.x, 0) - T(base[0]), grid.local(x.y, 1) - T(base[1]),
+            grid.local(x.z, 2) - T(base[2])};
+  }
+
+  Quad<T> one_, x_, y_, z_, xy_, yz_, zx_, xyz_;
+};
+
+// The nodal velocity's rate of strain and spin at the points of a block.
+template <class T>
+struct Gradients {
+  Column<T> derivative[3][3];
+
+  template <class Shape, class V>
+  PM_HD void gather(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
+                    const std::vector<Quad<T>>& nodes) {
+    for_each_run(points, grid, block, [&](const Run& run) {
+      Patch<Shape, T> patch;
+      patch.load(grid, run.base, nodes);
+      const Interpolant<Shape, T> velocity(patch);
+      for_each_pack<V>(run, [&](std::size_t p, int n) {
+        V d[3][3];
+        velocity.gradient(grid, points.template vector<V>(Field::position, p, n), run.base, d);
+        for (int c = 0; c < 3; ++c)
+          for (int a = 0; a < 3; ++a) Pack<V>::store(derivative[c][a].at + (p - block.begin), d[c][a]);
+      });
+    });
+  }
+  // Of the pack that starts with the block's point i.
+  template <class V>
+  PM_HD VelocityGradient<V> at(std::size_t i) const {
+    const auto l = [&](int c, int a) { return Pack<V>::load(derivative[c][a].at + i); };
+    const V half = V(0.5);
+    const V xy = l(0, 1), yx = l(1, 0), yz = l(1, 2), zy = l(2, 1), zx = l(2, 0), xz = l(0, 2);
+    return {{l(0, 0), l(1, 1), l(2, 2), half * (xy + yx), half * (yz + zy), half * (zx + xz)},
+            {half * (zy - yz), half * (xz - zx), half * (yx - xy)}};
+  }
+};
+
+// Nodal values at the points of a block.
+template <class T>
+struct Values {
+  Column<T> component[3];
+
+  template <class Shape, class V>
+  PM_HD void gather(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
+                    const std::vector<Quad<T>>& nodes, const std::vector<Quad<T>>* minus = nullptr) {
+    for_each_run(points, grid, block, [&](const Run& run) {
+      Patch<Shape, T> patch;
+      patch.load(grid, run.base, nodes);
+      if (minus) {
+        Patch<Shape, T> other;
+        other.load(grid, run.base, *minus);
+        patch.subtract(other);
+      }
+      const Interpolant<Shape, T> field(patch);
+      for_each_pack<V>(run, [&](std::size_t p, int n) {
+        const auto v = field.value(grid, points.template vector<V>(Field::position, p, n), run.base);
+        for (int c = 0; c < 3; ++c) Pack<V>::store(component[c].at + (p - block.begin), v[c]);
+      });
+    });
+  }
+  template <class V>
+  PM_HD Vec3<V> at(std::size_t i) const {
+    const auto v = [&](int c) { return Pack<V>::load(component[c].at + i); };
+    return {v(0), v(1), v(2)};
+  }
+};
 
 // Momentum and mass of the points.
 template <class Shape, class T>
-void add_momentum(const Particles<T>& points, const GridGeometry<T>& geometry, const Run& run,
+void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
                   std::vector<Quad<T>>& nodes) {
   Patch<Shape, T> patch;
   for (std::size_t p = run.begin; p < run.end; ++p) {
-    const auto n = stencil_of<Shape>(points, geometry, p, run);
+    const auto n = stencil_of<Shape>(points, grid, p, run);
     const T m = points.at(Field::mass)[p];
     const auto v = points.vector(Field::velocity, p);
     const Quad<T> carried{{m * v.x, m * v.y, m * v.z, m}};
@@ -61,15 +248,16 @@ void add_momentum(const Particles<T>& points, const GridGeometry<T>& geometry, c
         for (int k = 0; k < Shape::support; ++k) add_scaled(patch.at[i][j][k], n.w[2][k], line);
       }
   }
-  patch.add_to(geometry, run.base, nodes);
+  patch.add_to(grid, run.base, nodes);
 }
 
 // f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
 template <class Shape, class T>
-void add_internal_force(const Particles<T>& points, Grid<T>& grid, const Run& run) {
+void add_internal_force(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
+                        std::vector<Quad<T>>& nodes) {
   Patch<Shape, T> force;
   for (std::size_t p = run.begin; p < run.end; ++p) {
-    const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
+    const auto n = stencil_of<Shape>(points, grid, p, run);
     const auto s = -points.at(Field::volume)[p] * points.stress(p);
     const Quad<T> column[3] = {
         {{s.xx, s.xy, s.zx, T(0)}}, {{s.xy, s.yy, s.yz, T(0)}}, {{s.zx, s.yz, s.zz, T(0)}}};
@@ -85,68 +273,7 @@ void add_internal_force(const Particles<T>& points, Grid<T>& grid, const Run& ru
         }
       }
   }
-  force.add_to(grid.geometry, run.base, grid.force);
-}
-
-// Rate of strain and spin (Eq. 13).
-template <class Shape, class T>
-PM_HD VelocityGradient<T> gradient(const Stencil<Shape, T>& n, const Patch<Shape, T>& velocity) {
-  Quad<T> d[3];  // derivatives of v along each axis, summed axis by axis
-  for (int i = 0; i < Shape::support; ++i) {
-    Quad<T> plane, plane_y, plane_z;
-    for (int j = 0; j < Shape::support; ++j) {
-      Quad<T> line, line_z;
-      for (int k = 0; k < Shape::support; ++k) {
-        add_scaled(line, n.w[2][k], velocity.at[i][j][k]);
-        add_scaled(line_z, n.g[2][k], velocity.at[i][j][k]);
-      }
-      add_scaled(plane, n.w[1][j], line);
-      add_scaled(plane_y, n.g[1][j], line);
-      add_scaled(plane_z, n.w[1][j], line_z);
-    }
-    add_scaled(d[0], n.g[0][i], plane);
-    add_scaled(d[1], n.w[0][i], plane_y);
-    add_scaled(d[2], n.w[0][i], plane_z);
-  }
-  const auto l = [&](int component, int axis) { return d[axis].v[component]; };
-  const T half = T(0.5);
-  return {{l(0, 0), l(1, 1), l(2, 2), half * (l(0, 1) + l(1, 0)), half * (l(1, 2) + l(2, 1)),
-           half * (l(2, 0) + l(0, 2))},
-          {half * (l(2, 1) - l(1, 2)), half * (l(0, 2) - l(2, 0)), half * (l(1, 0) - l(0, 1))}};
-}
-
-template <class Shape, class T>
-PM_HD Vec3<T> interpolate(const Stencil<Shape, T>& n, const Patch<Shape, T>& velocity) {
-  Quad<T> sum;
-  for (int i = 0; i < Shape::support; ++i)
-    for (int j = 0; j < Shape::support; ++j) {
-      Quad<T> line;
-      for (int k = 0; k < Shape::support; ++k) add_scaled(line, n.w[2][k], velocity.at[i][j][k]);
-      add_scaled(sum, n.w[0][i] * n.w[1][j], line);
-    }
-  return sum.vector();
-}
-
-// FLIP with a share of PIC: v += sum N (v_after - v_before). Returns the kinetic energy that PIC took (J).
-template <class Shape, class T>
-double update_velocities(Particles<T>& points, const Grid<T>& grid, const Run& run, T pic) {
-  Patch<Shape, T> change, after;
-  change.load(grid.geometry, run.base, grid.before);
-  after.load(grid.geometry, run.base, grid.after);
-  change.for_each(
-      [&](int i, int j, int k) { change.at[i][j][k].v = after.at[i][j][k].v - change.at[i][j][k].v; });
-  double taken = 0;
-  for (std::size_t p = run.begin; p < run.end; ++p) {
-    const auto n = stencil_of<Shape>(points, grid.geometry, p, run);
-    auto v = points.vector(Field::velocity, p) + interpolate(n, change);
-    if (pic > T(0)) {
-      const auto flip = v;
-      v = (T(1) - pic) * flip + pic * interpolate(n, after);
-      taken += 0.5 * double(points.at(Field::mass)[p]) * double(dot(flip, flip) - dot(v, v));
-    }
-    points.set_vector(Field::velocity, p, v);
-  }
-  return taken;
+  force.add_to(grid, run.base, nodes);
 }
 
 }  // namespace pockmark

@@ -1,4 +1,4 @@
-// How the CPU walks the points: slabs of grid planes, runs of points that share a stencil, threads.
+// How the CPU walks the points: slabs of grid planes, blocks of points, threads.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -19,7 +19,6 @@ class Slabs {
   template <class T>
   void locate(const Particles<T>& points, const GridGeometry<T>& grid) {
     plane_ = grid.index(1, 0, 0);
-    row_ = grid.index(0, 1, 0);
     const int count = (grid.nodes(0) + slab_width - 1) / slab_width;
     begin_.resize(count + 1);
     for (int s = 0; s <= count; ++s) {
@@ -43,18 +42,18 @@ class Slabs {
     return all;
   }
 
-  // f(slab, run) for each run; slabs in parallel. `F` may write to the points of the run only.
-  template <class T, class F>
-  void gather(const Particles<T>& points, int threads, F&& f) const {
+  // f(slab, block) for each block; slabs in parallel. `F` may write to the points of the block only.
+  template <class F>
+  void gather(int threads, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int s = 0; s < count(); ++s) runs(points, s, f);
+    for (int s = 0; s < count(); ++s) blocks(s, f);
   }
-  // As gather, but `F` may add to the nodes under the run.
-  template <class T, class F>
-  void scatter(const Particles<T>& points, int threads, F&& f) const {
+  // As gather, but `F` may add to the nodes under the block.
+  template <class F>
+  void scatter(int threads, F&& f) const {
     for (int colour = 0; colour < 2; ++colour) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-      for (int s = colour; s < count(); s += 2) runs(points, s, f);
+      for (int s = colour; s < count(); s += 2) blocks(s, f);
     }
   }
   // f(slab, begin, end) over the points of each slab.
@@ -65,18 +64,13 @@ class Slabs {
   }
 
  private:
-  template <class T, class F>
-  void runs(const Particles<T>& points, int slab, F&& f) const {
-    for (std::size_t begin = begin_[slab]; begin < begin_[slab + 1];) {
-      const std::uint32_t cell = points.cell[begin];
-      std::size_t end = begin + 1;
-      while (end < begin_[slab + 1] && points.cell[end] == cell) ++end;
-      f(slab, Run{begin, end, {int(cell / plane_), int(cell % plane_ / row_), int(cell % row_)}});
-      begin = end;
-    }
+  template <class F>
+  void blocks(int slab, F&& f) const {
+    for (std::size_t begin = begin_[slab]; begin < begin_[slab + 1]; begin += Block::most)
+      f(slab, Block{begin, std::min(begin + Block::most, begin_[slab + 1])});
   }
 
-  std::size_t plane_ = 1, row_ = 1;
+  std::size_t plane_ = 1;
   std::vector<std::size_t> begin_;
 };
 

@@ -3,8 +3,6 @@
 // With the paper's constants eps_f <= 0 above a triaxiality of 1.3467. What happens there decides the crater,
 // so it is an explicit choice of the material: Treatment.
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -19,11 +17,10 @@ enum class FailureTreatment {
   clamp_triaxiality,  // sigma* is clamped first, then as no_damage
 };
 
-template <class T>
+template <class V>
 struct DamageStep {
-  T increment = 0;
-  bool treated = false;   // the treatment changed the law
-  bool may_fail = false;  // melting fails the point too
+  V increment = V(0);
+  mask_t<V> treated = Pack<V>::mask(false);  // the treatment changed the law
 };
 
 template <class T>
@@ -60,39 +57,48 @@ struct JohnsonCookFailure {
     return triaxiality_max > triaxiality_min ? "" : "triaxiality_max must exceed triaxiality_min";
   }
 
-  PM_HD T failure_strain(T triaxiality, T rate, T temperature) const {
-    const T hot = std::clamp((temperature - t_room) / (t_melt - t_room), T(0), T(1));
-    const T rate_factor = D4 == T(0) ? T(1) : T(1) + D4 * fast_log(std::max(rate / reference_rate, T(1)));
-    return (D1 + D2 * fast_exp(D3 * triaxiality)) * rate_factor * (T(1) + D5 * hot);
+  static constexpr bool may_fail = true;
+
+  template <class V>
+  PM_HD V failure_strain(V triaxiality, V rate, V temperature) const {
+    const V hot = min(max((temperature - t_room) * (T(1) / (t_melt - t_room)), V(0)), V(1));
+    V strain = (D1 + D2 * fast_exp(D3 * triaxiality)) * (V(1) + D5 * hot);
+    if (D4 != T(0)) strain *= V(1) + D4 * fast_log(max(rate * (T(1) / reference_rate), V(1)));
+    return strain;
   }
 
   // Damage added by a plastic strain increment; triaxiality = mean stress / effective stress.
-  PM_HD DamageStep<T> step(T strain_increment, T mean_stress, T effective_stress, T rate,
-                           T temperature) const {
-    const T tiny = std::numeric_limits<T>::min() * T(1e6);
-    T triaxiality = mean_stress / std::max(effective_stress, tiny);
-    bool treated = false;
-    if (treatment == FailureTreatment::clamp_triaxiality) {
-      const T clamped = std::clamp(triaxiality, triaxiality_min, triaxiality_max);
-      treated = clamped != triaxiality;
-      triaxiality = clamped;
+  template <class V>
+  PM_HD DamageStep<V> step(V strain_increment, V mean_stress, V effective_stress, V rate,
+                           V temperature) const {
+    const V tiny = V(std::numeric_limits<T>::min() * T(1e6));
+    const V free = mean_stress / max(effective_stress, tiny);
+    const bool clamps = treatment == FailureTreatment::clamp_triaxiality;
+    const V triaxiality = clamps ? min(max(free, V(triaxiality_min)), V(triaxiality_max)) : free;
+    V strain = failure_strain(triaxiality, rate, temperature);
+    auto treated = clamps ? (free < triaxiality || triaxiality < free) : Pack<V>::mask(false);
+    if (treatment == FailureTreatment::floor) {
+      treated = strain < V(floor);
+      strain = max(strain, V(floor));
     }
-    T strain = failure_strain(triaxiality, rate, temperature);
-    if (treatment == FailureTreatment::floor && strain < floor) strain = floor, treated = true;
-    if (strain > T(0)) return {strain_increment / strain, treated, true};
-    if (treatment == FailureTreatment::signed_damage && strain < T(0))
-      return {strain_increment / strain, true, true};
-    return {T(0), true, true};
+    const auto negative = strain < V(0), positive = V(0) < strain;
+    const auto counts = treatment == FailureTreatment::signed_damage ? positive || negative : positive;
+    return {select(counts, strain_increment / select(counts, strain, V(1)), V(0)), treated || !positive};
   }
 };
 
 template <class T>
 struct NoFailure {
+  static constexpr bool may_fail = false;  // nor does melting fail a point
+
   NoFailure() = default;
   template <class U>
   explicit NoFailure(const NoFailure<U>&) {}
   std::string check() const { return ""; }
-  PM_HD DamageStep<T> step(T, T, T, T, T) const { return {}; }
+  template <class V>
+  PM_HD DamageStep<V> step(V, V, V, V, V) const {
+    return {};
+  }
 };
 
 }  // namespace pockmark

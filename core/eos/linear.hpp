@@ -19,7 +19,10 @@ struct LinearEos {
     return density > 0 && bulk_modulus_ > 0 ? "" : "density and bulk_modulus must be > 0";
   }
   PM_HD T bulk_modulus() const { return bulk_modulus_; }
-  PM_HD Isochore<T> at(T mu) const { return {bulk_modulus_ * mu, T(0), bulk_modulus_, T(0)}; }
+  template <class V>
+  PM_HD Isochore<V> at(V mu) const {
+    return {bulk_modulus_ * mu, V(0), V(bulk_modulus_), V(0)};
+  }
 };
 
 }  // namespace pockmark

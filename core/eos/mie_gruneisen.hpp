@@ -23,34 +23,36 @@ struct MieGruneisen {
   }
   PM_HD T bulk_modulus() const { return density * c0 * c0; }
 
-  PM_HD Isochore<T> at(T mu) const {
-    Isochore<T> out{};
+  template <class V>
+  PM_HD Isochore<V> at(V mu) const {
+    const auto compressed = V(0) <= mu;
+    if (!any(!compressed)) return shocked(mu);
+    const auto out = expanded(mu);
+    return any(compressed) ? select(compressed, shocked(mu), out) : out;
+  }
+
+ private:
+  template <class V>
+  PM_HD Isochore<V> shocked(V mu) const {
     // 0.95 of the pole: p_H is 5000 times the bulk modulus there.
-    const T cap = s > T(1) ? T(0.95) / (s - T(1)) : T(20);
-    if (mu > cap) mu = cap, out.capped = true;
+    const V cap = V(s > T(1) ? T(0.95) / (s - T(1)) : T(20));
+    const auto capped = cap < mu;
+    mu = select(capped, cap, mu);
+    // gamma = gamma0 / (1 + mu), Eq. 19.
+    const V ratio = V(1) / (V(1) + mu), half_gamma = T(0.5) * gamma0 * ratio;
+    const V g = V(1) - half_gamma * mu, g_slope = -(half_gamma * ratio);
+    const V d = V(1) / (V(1) - (s - T(1)) * mu), kd2 = bulk_modulus() * d * d;
+    const V hugoniot = kd2 * mu * (V(1) + mu);
+    const V hugoniot_slope = kd2 * d * (V(1) + (s + T(1)) * mu);
+    return {hugoniot * g, V(gamma0), hugoniot_slope * g + hugoniot * g_slope, V(0), capped};
+  }
+  // gamma stays gamma0. The paper's gamma rho = gamma0 rho0 would make gamma, and the heat of recompression
+  // (E ~ exp(gamma0 rho0/rho)), grow without bound as a fragment expands.
+  template <class V>
+  PM_HD Isochore<V> expanded(V mu) const {
     const T k = bulk_modulus();
-    if (mu >= T(0)) {
-      // gamma = gamma0 / (1 + mu), Eq. 19.
-      const T ratio = T(1) / (T(1) + mu), half_gamma = T(0.5) * gamma0 * ratio;
-      const T g = T(1) - half_gamma * mu;
-      const T g_slope = -half_gamma * ratio;
-      const T d = T(1) / (T(1) - (s - T(1)) * mu), kd2 = k * d * d;
-      const T hugoniot = kd2 * mu * (T(1) + mu);
-      const T hugoniot_slope = kd2 * d * (T(1) + (s + T(1)) * mu);
-      out.cold = hugoniot * g;
-      out.cold_slope = hugoniot_slope * g + hugoniot * g_slope;
-      out.thermal = gamma0;
-      out.thermal_slope = T(0);
-    } else {
-      // Expanded: gamma stays gamma0. The paper's gamma rho = gamma0 rho0 would make gamma, and the heat of
-      // recompression (E ~ exp(gamma0 rho0/rho)), grow without bound as a fragment expands.
-      const T g = T(1) - T(0.5) * gamma0 * mu;
-      out.cold = k * mu * g;
-      out.cold_slope = k * (T(1) - gamma0 * mu);
-      out.thermal = gamma0 * (T(1) + mu);
-      out.thermal_slope = gamma0;
-    }
-    return out;
+    return {k * mu * (V(1) - T(0.5) * gamma0 * mu), gamma0 * (V(1) + mu), k * (V(1) - gamma0 * mu),
+            V(gamma0)};
   }
 };
 

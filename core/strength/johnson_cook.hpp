@@ -3,8 +3,6 @@
 // The rate is the plastic strain rate of the step. Below rate0 the factor is one: the law was fitted above
 // it.
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -12,10 +10,10 @@
 
 namespace pockmark {
 
-template <class T>
+template <class V>
 struct PlasticReturn {
-  T strain_increment = 0;
-  bool converged = true;
+  V strain_increment = V(0);
+  mask_t<V> converged = Pack<V>::mask(true);
 };
 
 template <class T>
@@ -45,59 +43,60 @@ struct JohnsonCook {
                                                  : "t_melt must exceed t_room; reference_rate must be > 0";
   }
 
-  PM_HD T softening(T temperature) const {
-    if (temperature <= t_room) return T(1);
-    if (temperature >= t_melt) return T(0);
-    const T star = (temperature - t_room) / (t_melt - t_room);
-    return T(1) - (m == T(1) ? star : fast_pow(star, m));
+  template <class V>
+  PM_HD V softening(V temperature) const {
+    const V star = min(max((temperature - t_room) * (T(1) / (t_melt - t_room)), V(0)), V(1));
+    return V(1) - (m == T(1) ? star : fast_pow(star, m));
   }
-  PM_HD T rate_factor(T rate) const {
-    return rate > reference_rate ? T(1) + C * fast_log(rate / reference_rate) : T(1);
-  }
-  PM_HD T hardening(T strain) const { return A + B * fast_pow(strain, n); }
   PM_HD T flow_stress(T strain, T rate, T temperature) const {
-    return hardening(strain) * rate_factor(rate) * softening(temperature);
+    const T star = rate / reference_rate;
+    return (A + B * fast_pow(strain, n)) * (T(1) + C * fast_log(max(star, T(1)))) * softening(temperature);
   }
 
   // Radial return: find d with r(d) = trial - 3 G d - sigma_y(strain + d, d/dt, T) = 0, by Newton's method in
   // x = ln d. There r is concave and falls, the kink at the reference rate included, so the iteration comes
   // down on the root from above and needs no bracket. The temperature is the one at the start of the step.
-  PM_HD PlasticReturn<T> return_map(T trial, T strain, T temperature, T dt) const {
-    const T soft = softening(temperature);
-    if (trial <= A * soft) return {};
-    const T power = B * fast_pow(strain, n);
-    const T still = (A + power) * soft;
-    if (trial <= still) return {};
+  template <class V>
+  PM_HD PlasticReturn<V> return_map(V trial, V strain, V temperature, T dt) const {
+    const V soft = softening(temperature);
+    if (!any(A * soft < trial)) return {};
+    const V power = B * fast_pow(strain, n), still = (A + power) * soft;
+    const auto yields = still < trial;
+    if (!any(yields)) return {};
     const T three_g = T(3) * shear_modulus;
     const T x_slow = fast_log(dt * reference_rate);  // increment of the reference rate
 
     // Start: hardening at its old tangent, the rate at that of no hardening; at most the root without either.
-    const T most = (trial - still) / three_g, x_most = fast_log(most);
-    const T tangent = three_g + (strain > most ? soft * n * power / strain : T(0));
-    const T guess = (trial - still * (T(1) + C * std::max(x_most - x_slow, T(0)))) / tangent;
-    T d = guess > T(0.01) * most ? guess : T(0.01) * most;
-    T x = fast_log(d);
-    const T rounding = T(8) * std::numeric_limits<T>::epsilon() * trial;
+    const V most = select(yields, (trial - still) * (T(1) / three_g), V(dt * reference_rate));
+    const V x_most = fast_log(most);
+    const V tangent = three_g + select(most < strain, soft * n * power / max(strain, most), V(0));
+    const V guess = (trial - still * (V(1) + C * max(x_most - x_slow, V(0)))) / tangent;
+    V d = max(guess, T(0.01) * most), x = fast_log(d);
+    const V rounding = T(8) * std::numeric_limits<T>::epsilon() * trial;
+    V found = V(0);
+    auto open = yields;
     for (int iteration = 0; iteration < 60; ++iteration) {
-      const T total = strain + d, share = d / total;
-      const T hardened = B * fast_pow(total, n), hard = A + hardened;
-      const T factor = T(1) + C * std::max(x - x_slow, T(0)), factor1 = x > x_slow ? C : T(0);
-      const T residual = trial - three_g * d - soft * hard * factor;
-      if (std::abs(residual) <= rounding) return {d, true};
+      const V total = strain + d, share = d / total;
+      const V hardened = B * fast_pow(total, n), hard = A + hardened;
+      const V factor = V(1) + C * max(x - x_slow, V(0)), factor1 = select(V(x_slow) < x, V(C), V(0));
+      const V residual = trial - three_g * d - soft * hard * factor;
       // Derivatives by x.
-      const T hard1 = n * hardened * share, hard2 = hard1 * (T(1) - (T(1) - n) * share);
-      const T slope = three_g * d + soft * (hard1 * factor + hard * factor1);
-      const T newton = residual / slope;
-      if (std::abs(newton) <= T(1e-4)) {
-        // One of Halley's steps leaves an error below 1e-12.
-        const T curve = three_g * d + soft * (hard2 * factor + T(2) * hard1 * factor1);
-        const T step = newton / (T(1) + T(0.5) * newton * curve / slope);
-        return {d * (T(1) + step + T(0.5) * step * step), true};
-      }
-      x = std::min(x + newton, x_most);
+      const V hard1 = n * hardened * share, hard2 = hard1 * (V(1) - (T(1) - n) * share);
+      const V slope = three_g * d + soft * (hard1 * factor + hard * factor1);
+      const V newton = residual / slope;
+      // One of Halley's steps from a Newton step of 1e-4 leaves an error below 1e-12. A tiny d cannot be
+      // known better than the rounding of the stress allows.
+      const auto exact = absolute(residual) <= rounding, near = absolute(newton) <= V(1e-4);
+      const V curve = three_g * d + soft * (hard2 * factor + T(2) * hard1 * factor1);
+      const V step = newton / (V(1) + T(0.5) * newton * curve / slope);
+      const V refined = select(exact, d, d * (V(1) + step + T(0.5) * step * step));
+      found = select(open, refined, found);
+      open = open && !(exact || near);
+      if (!any(open)) break;
+      x = min(x + newton, x_most);
       d = fast_exp(x);
     }
-    return {d, false};
+    return {found, !open};
   }
 };
 

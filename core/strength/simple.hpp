@@ -15,7 +15,10 @@ struct Elastic {
   template <class U>
   explicit Elastic(const Elastic<U>& o) : shear_modulus(T(o.shear_modulus)) {}
   std::string check() const { return shear_modulus >= 0 ? "" : "shear_modulus must be >= 0"; }
-  PM_HD PlasticReturn<T> return_map(T, T, T, T) const { return {}; }
+  template <class V>
+  PM_HD PlasticReturn<V> return_map(V, V, V, T) const {
+    return {};
+  }
 };
 
 template <class T>
@@ -26,7 +29,10 @@ struct Fluid {
   template <class U>
   explicit Fluid(const Fluid<U>&) {}
   std::string check() const { return ""; }
-  PM_HD PlasticReturn<T> return_map(T, T, T, T) const { return {}; }
+  template <class V>
+  PM_HD PlasticReturn<V> return_map(V, V, V, T) const {
+    return {};
+  }
 };
 
 }  // namespace pockmark

@@ -47,6 +47,7 @@ class Simulation:
                 strain_limit=numerics.strain_limit,
                 pic_fraction=numerics.pic_fraction,
                 mass_cutoff=numerics.mass_cutoff,
+                lanes=_core.build_info()["lanes"],
             ),
             threads=self.threads,
         )

@@ -60,6 +60,7 @@ def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0):
         strain_limit=0.2,
         pic_fraction=pic,
         mass_cutoff=cutoff,
+        lanes=core.build_info()["lanes"],
     )
 
 

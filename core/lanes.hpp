@@ -1,0 +1,247 @@
+// Numbers one by one or in packs: the physics is written once, for a type V that is a number or W of them.
+#pragma once
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#include "portable.hpp"
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+namespace pockmark {
+
+// ---- one number ----------------------------------------------------------------------------------
+
+template <class T>
+  requires std::is_arithmetic_v<T>
+PM_HD T select(bool condition, const T& yes, const T& no) {
+  return condition ? yes : no;
+}
+PM_HD bool any(bool m) { return m; }
+PM_HD int count(bool m) { return m; }
+PM_HD double root(double x) { return std::sqrt(x); }
+PM_HD float root(float x) { return std::sqrt(x); }
+
+PM_HD double raw(double x) { return x; }
+PM_HD float raw(float x) { return x; }
+
+// What is to be known of a V, and how it meets memory; `n` lanes of it, the rest neither read nor written.
+template <class V>
+struct Pack {
+  using Number = V;
+  using Mask = bool;
+  using Bits = std::conditional_t<sizeof(V) == 8, std::uint64_t, std::uint32_t>;
+  static constexpr int width = 1;
+  PM_HD static bool mask(bool b) { return b; }
+  PM_HD static bool first(int n) { return n > 0; }
+  PM_HD static V load(const V* at, int = 1) { return *at; }
+  PM_HD static void store(V* at, V v, int = 1) { *at = v; }
+};
+template <class V>
+using number_t = typename Pack<V>::Number;
+template <class V>
+using mask_t = typename Pack<V>::Mask;
+template <class V>
+PM_HD mask_t<V> first_lanes(int n) {
+  return Pack<V>::first(n);
+}
+
+// ---- W numbers (GCC, Clang) ----------------------------------------------------------------------
+
+#if defined(__AVX2__) && !defined(__CUDACC__)
+#define POCKMARK_LANES 1
+#ifdef __AVX512F__
+inline constexpr int lane_bytes = 64;
+#else
+inline constexpr int lane_bytes = 32;
+#endif
+
+template <class T>
+struct LaneMask;
+template <class T>
+struct LaneVector {
+  typedef T type __attribute__((vector_size(lane_bytes)));
+};
+
+template <class T>
+struct Lanes {
+  static constexpr int width = lane_bytes / int(sizeof(T));
+  using Raw = typename LaneVector<T>::type;
+  Raw v;
+
+  Lanes() = default;
+  PM_HD Lanes(T s) : v(s - Raw{}) {}
+  PM_HD explicit Lanes(Raw raw) : v(raw) {}
+  PM_HD friend Lanes operator+(Lanes a, Lanes b) { return Lanes(a.v + b.v); }
+  PM_HD friend Lanes operator-(Lanes a, Lanes b) { return Lanes(a.v - b.v); }
+  PM_HD friend Lanes operator*(Lanes a, Lanes b) { return Lanes(a.v * b.v); }
+  PM_HD friend Lanes operator/(Lanes a, Lanes b) { return Lanes(a.v / b.v); }
+  PM_HD friend Lanes operator-(Lanes a) { return Lanes(-a.v); }
+  PM_HD Lanes& operator+=(Lanes b) { return v += b.v, *this; }
+  PM_HD Lanes& operator-=(Lanes b) { return v -= b.v, *this; }
+  PM_HD Lanes& operator*=(Lanes b) { return v *= b.v, *this; }
+  PM_HD friend LaneMask<T> operator<(Lanes a, Lanes b) { return LaneMask<T>::less(a, b); }
+  PM_HD friend LaneMask<T> operator<=(Lanes a, Lanes b) { return LaneMask<T>::less_equal(a, b); }
+  PM_HD friend LaneMask<T> operator>(Lanes a, Lanes b) { return b < a; }
+  PM_HD friend LaneMask<T> operator>=(Lanes a, Lanes b) { return b <= a; }
+};
+
+#ifdef __AVX512F__
+
+PM_HD __mmask8 compare_less(__m512d a, __m512d b) { return _mm512_cmp_pd_mask(a, b, _CMP_LT_OQ); }
+PM_HD __mmask16 compare_less(__m512 a, __m512 b) { return _mm512_cmp_ps_mask(a, b, _CMP_LT_OQ); }
+PM_HD __mmask8 compare_less_equal(__m512d a, __m512d b) { return _mm512_cmp_pd_mask(a, b, _CMP_LE_OQ); }
+PM_HD __mmask16 compare_less_equal(__m512 a, __m512 b) { return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ); }
+PM_HD __m512d blend(unsigned m, __m512d yes, __m512d no) {
+  return _mm512_mask_blend_pd(__mmask8(m), no, yes);
+}
+PM_HD __m512 blend(unsigned m, __m512 yes, __m512 no) { return _mm512_mask_blend_ps(__mmask16(m), no, yes); }
+PM_HD __m512d vector_root(__m512d x) { return _mm512_maskz_sqrt_pd(0xff, x); }
+PM_HD __m512 vector_root(__m512 x) { return _mm512_maskz_sqrt_ps(0xffff, x); }
+PM_HD __m512d masked_load(unsigned m, const double* at) { return _mm512_maskz_loadu_pd(__mmask8(m), at); }
+PM_HD __m512 masked_load(unsigned m, const float* at) { return _mm512_maskz_loadu_ps(__mmask16(m), at); }
+PM_HD void masked_store(unsigned m, double* at, __m512d v) { _mm512_mask_storeu_pd(at, __mmask8(m), v); }
+PM_HD void masked_store(unsigned m, float* at, __m512 v) { _mm512_mask_storeu_ps(at, __mmask16(m), v); }
+
+template <class T>
+struct LaneMask {
+  static constexpr unsigned full = (1u << Lanes<T>::width) - 1;
+  unsigned m;  // a bit a lane
+
+  PM_HD static LaneMask of(bool b) { return {b ? full : 0u}; }
+  PM_HD static LaneMask first(int n) { return {(1u << n) - 1}; }
+  PM_HD static LaneMask less(Lanes<T> a, Lanes<T> b) { return {compare_less(a.v, b.v)}; }
+  PM_HD static LaneMask less_equal(Lanes<T> a, Lanes<T> b) { return {compare_less_equal(a.v, b.v)}; }
+  PM_HD friend LaneMask operator&&(LaneMask a, LaneMask b) { return {a.m & b.m}; }
+  PM_HD friend LaneMask operator||(LaneMask a, LaneMask b) { return {a.m | b.m}; }
+  PM_HD friend LaneMask operator!(LaneMask a) { return {~a.m & full}; }
+  PM_HD unsigned bits() const { return m; }
+  PM_HD Lanes<T> choose(Lanes<T> yes, Lanes<T> no) const { return Lanes<T>(blend(m, yes.v, no.v)); }
+};
+
+#else  // AVX2
+
+PM_HD __m256d vector_root(__m256d x) { return _mm256_sqrt_pd(x); }
+PM_HD __m256 vector_root(__m256 x) { return _mm256_sqrt_ps(x); }
+PM_HD unsigned lane_bits(__m256d m) { return unsigned(_mm256_movemask_pd(m)); }
+PM_HD unsigned lane_bits(__m256 m) { return unsigned(_mm256_movemask_ps(m)); }
+PM_HD __m256d masked_load(__m256i m, const double* at) { return _mm256_maskload_pd(at, m); }
+PM_HD __m256 masked_load(__m256i m, const float* at) { return _mm256_maskload_ps(at, m); }
+PM_HD void masked_store(__m256i m, double* at, __m256d v) { _mm256_maskstore_pd(at, m, v); }
+PM_HD void masked_store(__m256i m, float* at, __m256 v) { _mm256_maskstore_ps(at, m, v); }
+
+// All bits set in the first half: read from the middle minus n for a mask of the first n lanes.
+inline constexpr std::int32_t lane_mask_table[16]{-1, -1, -1, -1, -1, -1, -1, -1};
+
+template <class T>
+struct LaneMask {
+  using Raw = typename Lanes<T>::Raw;
+  using Int = decltype(Raw{} < Raw{});
+  Int m;  // all bits of a lane set or none
+
+  PM_HD static LaneMask of(bool b) { return {b ? ~Int{} : Int{}}; }
+  PM_HD static LaneMask first(int n) {
+    LaneMask out;
+    std::memcpy(&out.m, lane_mask_table + 8 - n * int(sizeof(T) / 4), sizeof(Int));
+    return out;
+  }
+  PM_HD static LaneMask less(Lanes<T> a, Lanes<T> b) { return {a.v < b.v}; }
+  PM_HD static LaneMask less_equal(Lanes<T> a, Lanes<T> b) { return {a.v <= b.v}; }
+  PM_HD friend LaneMask operator&&(LaneMask a, LaneMask b) { return {a.m & b.m}; }
+  PM_HD friend LaneMask operator||(LaneMask a, LaneMask b) { return {a.m | b.m}; }
+  PM_HD friend LaneMask operator!(LaneMask a) { return {~a.m}; }
+  PM_HD unsigned bits() const { return lane_bits(std::bit_cast<Raw>(m)); }
+  PM_HD Lanes<T> choose(Lanes<T> yes, Lanes<T> no) const { return Lanes<T>(m ? yes.v : no.v); }
+};
+
+#endif
+
+template <class T>
+PM_HD Lanes<T> select(LaneMask<T> m, const Lanes<T>& yes, const Lanes<T>& no) {
+  return m.choose(yes, no);
+}
+template <class T>
+PM_HD bool any(LaneMask<T> m) {
+  return m.bits() != 0;
+}
+template <class T>
+PM_HD int count(LaneMask<T> m) {
+  return std::popcount(m.bits());
+}
+template <class T>
+PM_HD Lanes<T> root(Lanes<T> x) {
+  return Lanes<T>(typename Lanes<T>::Raw(vector_root(x.v)));
+}
+template <class T>
+PM_HD typename Lanes<T>::Raw raw(Lanes<T> x) {
+  return x.v;
+}
+
+template <class T>
+struct Pack<Lanes<T>> {
+  using V = Lanes<T>;
+  using Number = T;
+  using Mask = LaneMask<T>;
+  using UInt = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+  using Bits = typename LaneVector<UInt>::type;
+  static constexpr int width = V::width;
+  PM_HD static Mask mask(bool b) { return Mask::of(b); }
+  PM_HD static Mask first(int n) { return Mask::first(n); }
+  PM_HD static V load(const T* at) {
+    V out;
+    std::memcpy(&out.v, at, lane_bytes);
+    return out;
+  }
+  PM_HD static V load(const T* at, int n) {
+    return n == width ? load(at) : V(typename V::Raw(masked_load(lanes(n), at)));
+  }
+  PM_HD static void store(T* at, V v) { std::memcpy(at, &v.v, lane_bytes); }
+  PM_HD static void store(T* at, V v, int n) { n == width ? store(at, v) : masked_store(lanes(n), at, v.v); }
+
+ private:
+#ifdef __AVX512F__
+  PM_HD static unsigned lanes(int n) { return Mask::first(n).m; }
+#else
+  PM_HD static __m256i lanes(int n) { return std::bit_cast<__m256i>(Mask::first(n).m); }
+#endif
+};
+
+#endif
+
+// ---- of both -------------------------------------------------------------------------------------
+
+template <class V>
+PM_HD V max(V a, V b) {
+  return select(a < b, b, a);
+}
+template <class V>
+PM_HD V min(V a, V b) {
+  return select(b < a, b, a);
+}
+template <class V>
+PM_HD V absolute(V a) {
+  return max(a, -a);
+}
+// Sum and largest of all lanes, in double.
+template <class V>
+PM_HD double sum_of(V v) {
+  number_t<V> at[Pack<V>::width];
+  Pack<V>::store(at, v);
+  double sum = 0;
+  for (const auto x : at) sum += double(x);
+  return sum;
+}
+template <class V>
+PM_HD double largest_of(V v) {
+  number_t<V> at[Pack<V>::width];
+  Pack<V>::store(at, v);
+  double largest = double(at[0]);
+  for (const auto x : at) largest = double(x) > largest ? double(x) : largest;
+  return largest;
+}
+
+}  // namespace pockmark

@@ -1,0 +1,23 @@
+"""The compiled core for this processor: AVX-512, AVX2 or scalar. POCKMARK_ISA=avx512|avx2|scalar forces one."""
+
+import importlib
+import os
+import sys
+
+from . import _core_scalar
+
+_supported = _core_scalar.supported_isas()
+
+
+def _choose() -> str:
+    forced = os.environ.get("POCKMARK_ISA", "")
+    if forced and forced not in _supported:
+        allowed = ", ".join(_supported)
+        print(
+            f"pockmark: POCKMARK_ISA: '{forced}' found, allowed on this processor: {allowed}", file=sys.stderr
+        )
+        raise SystemExit(2)
+    return forced or _supported[0]
+
+
+globals().update(vars(importlib.import_module(f"pockmark._core_{_choose()}")))
