@@ -66,42 +66,83 @@ nb::object to_array(std::vector<V> values, std::size_t rows, std::size_t columns
 
 // Runs the stress update alone on rows of states: volume, energy, pressure, viscosity, plastic_strain,
 // temperature, damage, then the deviator; gradients: D (6), axial spin vector (3).
+// With lanes, a pack of states at a time.
 struct StressProbe {
-  static nb::object run(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass, double cell,
-                        double dt) {
+  static constexpr int in = 13, out = 14;
+
+  template <class V>
+  static std::vector<double> run(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass,
+                                 double cell, double dt) {
     const auto material = spec.as<double>();
-    const StressUpdate<double> update{material, cell, dt, dt, 0.5, 0.5};
-    const std::size_t n = states.size() / 13;
-    if (gradients.size() != 9 * n) throw std::invalid_argument("gradients: nine numbers a state are needed");
-    std::vector<double> out(14 * n);
-    Tally<double> tally;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double* s = states.data() + 13 * i;
-      const double* g = gradients.data() + 9 * i;
-      PointState<double> point{s[0], s[1], s[2], s[3],
-                               s[4], s[5], s[6], {s[7], s[8], s[9], s[10], s[11], s[12]}};
-      const VelocityGradient<double> L{{g[0], g[1], g[2], g[3], g[4], g[5]}, {g[6], g[7], g[8]}};
-      const double c = update(point, L, mass, true, tally);
+    const StressUpdate<V> update{material, cell, dt, dt, 0.5, 0.5};
+    const std::size_t n = states.size() / in;
+    std::vector<double> rows(out * n);
+    Tally<V> tally;
+    for (std::size_t first = 0; first < n; first += Pack<V>::width) {
+      const int count = int(std::min(n - first, std::size_t(Pack<V>::width)));
+      const auto column = [&](Doubles from, int columns, int c) {
+        double lane[Pack<V>::width];
+        for (int i = 0; i < Pack<V>::width; ++i)
+          lane[i] = from.data()[(first + std::min(i, count - 1)) * columns + c];
+        return Pack<V>::load(lane);
+      };
+      const auto s = [&](int c) { return column(states, in, c); };
+      const auto g = [&](int c) { return column(gradients, 9, c); };
+      PointState<V> point{s(0), s(1), s(2), s(3), s(4), s(5), s(6), {s(7), s(8), s(9), s(10), s(11), s(12)}};
+      const VelocityGradient<V> L{{g(0), g(1), g(2), g(3), g(4), g(5)}, {g(6), g(7), g(8)}};
+      const V c = update(point, L, V(mass), first_lanes<V>(count), tally);
       const auto& d = point.deviator;
-      const double row[14] = {point.volume,
-                              point.energy,
-                              point.pressure,
-                              point.viscosity,
-                              point.plastic_strain,
-                              point.temperature,
-                              point.damage,
-                              d.xx,
-                              d.yy,
-                              d.zz,
-                              d.xy,
-                              d.yz,
-                              d.zx,
-                              c};
-      std::copy(row, row + 14, out.begin() + 14 * i);
+      const V result[out] = {point.volume,
+                             point.energy,
+                             point.pressure,
+                             point.viscosity,
+                             point.plastic_strain,
+                             point.temperature,
+                             point.damage,
+                             d.xx,
+                             d.yy,
+                             d.zz,
+                             d.xy,
+                             d.yz,
+                             d.zx,
+                             c};
+      for (int k = 0; k < out; ++k) {
+        double lane[Pack<V>::width];
+        Pack<V>::store(lane, result[k]);
+        for (int i = 0; i < count; ++i) rows[(first + i) * out + k] = lane[i];
+      }
     }
-    return to_array(std::move(out), n, 14);
+    return rows;
+  }
+
+  static nb::object choose(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass,
+                           double cell, double dt, bool lanes) {
+    const std::size_t n = states.size() / in;
+    if (gradients.size() != 9 * n) throw std::invalid_argument("gradients: nine numbers a state are needed");
+#ifdef POCKMARK_LANES
+    if (lanes) return to_array(run<Lanes<double>>(spec, states, gradients, mass, cell, dt), n, out);
+#else
+    if (lanes) throw std::invalid_argument("this core was built without SIMD lanes");
+#endif
+    return to_array(run<double>(spec, states, gradients, mass, cell, dt), n, out);
   }
 };
+
+// log x, exp x or x^n of each number.
+template <class V>
+std::vector<double> elementary(const std::string& name, Doubles x, double n) {
+  constexpr int width = Pack<V>::width;
+  std::vector<double> in(x.data(), x.data() + x.size()), out(x.size() + width);
+  in.resize(x.size() + width, 1.0);
+  for (std::size_t i = 0; i < x.size(); i += width) {
+    const V v = Pack<V>::load(in.data() + i);
+    Pack<V>::store(out.data() + i, name == "log"   ? fast_log(v)
+                                   : name == "exp" ? fast_exp(v)
+                                                   : fast_pow(v, n));
+  }
+  out.resize(x.size());
+  return out;
+}
 
 const FieldInfo& field_named(const std::string& name) {
   for (const auto& info : field_table)
@@ -377,8 +418,18 @@ NB_MODULE(POCKMARK_MODULE, m) {
     return out;
   });
   // One stress update of given states and velocity gradients: for tests against independent references.
-  m.def("update_stress", &StressProbe::run, "material"_a, "states"_a, "gradients"_a, "mass"_a, "cell"_a,
-        "dt"_a);
+  m.def("update_stress", &StressProbe::choose, "material"_a, "states"_a, "gradients"_a, "mass"_a, "cell"_a,
+        "dt"_a, "lanes"_a);
+  m.def(
+      "elementary",
+      [](const std::string& name, Doubles x, double n, bool lanes) {
+        const std::size_t count = x.size();
+#ifdef POCKMARK_LANES
+        if (lanes) return to_array(elementary<Lanes<double>>(name, x, n), count, 1);
+#endif
+        return to_array(elementary<double>(name, x, n), count, 1);
+      },
+      "name"_a, "x"_a, "n"_a, "lanes"_a);
   m.def("build_info", [] {
     nb::dict d;
     d["compiler"] = __VERSION__;

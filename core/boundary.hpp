@@ -72,6 +72,10 @@ template <class Shape, class T>
 void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, const Run& run,
                  const std::vector<Vec3<T>>& impedance) {
   const auto& geometry = grid.geometry;
+  bool near = false;
+  for (int a = 0; a < 3; ++a)
+    near = near || run.base[a] <= geometry.pad || run.base[a] >= geometry.pad + geometry.cells[a] - 2;
+  if (!near) return;
   for (int face = 0; face < 6; ++face) {
     const int axis = face / 2;
     if (faces[face] != Face::transmitting) continue;

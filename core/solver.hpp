@@ -195,8 +195,8 @@ class Solver {
 
   template <class K>
   void map_to_grid() {
-    slabs_.scatter(threads_, [&](int, const Block& block) {
-      for_each_run(points_, grid_.geometry, block, [&](const Run& run) {
+    slabs_.scatter(points_, grid_.geometry, threads_, [&](int, const Block& block) {
+      for_each_run(block, [&](const Run& run) {
         cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, run, grid_.before);
         add_damping<typename K::Shape>(points_, grid_, faces_, run, impedance_);
       });
@@ -228,11 +228,12 @@ class Solver {
         update_stress<typename K::Shape, typename K::V>(points_, grid_.geometry, materials_, block, *velocity,
                                                         step, audits[slab]);
       if (forces)
-        for_each_run(points_, grid_.geometry, block, [&](const Run& run) {
+        for_each_run(block, [&](const Run& run) {
           cpu::scatter_force<typename K::Shape, typename K::V>(points_, grid_.geometry, run, grid_.force);
         });
     };
-    forces ? slabs_.scatter(threads_, work) : slabs_.gather(threads_, work);
+    forces ? slabs_.scatter(points_, grid_.geometry, threads_, work)
+           : slabs_.gather(points_, grid_.geometry, threads_, work);
     if (forces) fold(grid_.geometry, faces_, grid_.force, Mirrored::vector);
     if (!velocity) return;
     extremes_ = {};
@@ -281,12 +282,13 @@ class Solver {
       taken[slab] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
                                                                          T(options_.pic_fraction));
       if (remaps)
-        for_each_run(points_, grid_.geometry, block, [&](const Run& run) {
+        for_each_run(block, [&](const Run& run) {
           cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, run,
                                                                   grid_.remapped);
         });
     };
-    remaps ? slabs_.scatter(threads_, work) : slabs_.gather(threads_, work);
+    remaps ? slabs_.scatter(points_, grid_.geometry, threads_, work)
+           : slabs_.gather(points_, grid_.geometry, threads_, work);
     for (double t : taken) pic_energy_ += t;
     if (!remaps) return;
     fold(grid_.geometry, faces_, grid_.remapped, Mirrored::vector);
@@ -297,7 +299,7 @@ class Solver {
   template <class K>
   void move() {
     const auto* remapped = options_.scheme == Scheme::usavg ? &grid_.remapped : nullptr;
-    slabs_.gather(threads_, [&](int, const Block& block) {
+    slabs_.gather(points_, grid_.geometry, threads_, [&](int, const Block& block) {
       pockmark::move<typename K::Shape, typename K::V>(points_, grid_, materials_, block, remapped, T(dt_));
     });
   }

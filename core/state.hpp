@@ -110,15 +110,25 @@ struct GridGeometry {
   T cell = 1;
   T per_metre = 1;  // 1/cell
   std::array<int, 3> cells{};
+  double per_plane = 1, per_row = 1;  // 1/nodes
 
   GridGeometry() = default;
   GridGeometry(const Vec3<T>& lower_, T cell_, const std::array<int, 3>& cells_)
-      : lower(lower_), cell(cell_), per_metre(T(1) / cell_), cells(cells_) {}
+      : lower(lower_), cell(cell_), per_metre(T(1) / cell_), cells(cells_) {
+    per_plane = 1.0 / double(index(1, 0, 0)), per_row = 1.0 / double(index(0, 1, 0));
+  }
 
   PM_HD int nodes(int axis) const { return cells[axis] + 1 + 2 * pad; }
   std::size_t node_count() const { return std::size_t(nodes(0)) * nodes(1) * nodes(2); }
   PM_HD std::size_t index(int i, int j, int k) const {
     return (std::size_t(i) * nodes(1) + j) * nodes(2) + k;
+  }
+  // The inverse of index. Products are quicker than divisions; the half keeps them off whole numbers.
+  PM_HD void split(std::size_t node, int (&ijk)[3]) const {
+    ijk[0] = int((double(node) + 0.5) * per_plane);
+    const std::size_t in_plane = node - ijk[0] * index(1, 0, 0);
+    ijk[1] = int((double(in_plane) + 0.5) * per_row);
+    ijk[2] = int(in_plane - ijk[1] * index(0, 1, 0));
   }
   T upper(int axis) const { return lower[axis] + cells[axis] * cell; }
   // Position in units of cells from the first (padding) node.

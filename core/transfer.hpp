@@ -7,29 +7,38 @@
 
 namespace pockmark {
 
+// Consecutive points of a block whose stencil starts at the same node.
+struct Run {
+  std::size_t begin, end;
+  std::size_t node;
+  int base[3];
+};
+
 // Consecutive points; few enough that what one kernel leaves of them is still in the cache for the next.
 struct Block {
   static constexpr std::size_t most = 256;
   std::size_t begin, end;
-};
+  int run_count = 0;
+  Run runs[most];
 
-// Consecutive points of a block whose stencil starts at the same node.
-struct Run {
-  std::size_t begin, end;
-  int base[3];
-};
-
-// f(run) for each run of the block.
-template <class T, class F>
-PM_HD void for_each_run(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block, F&& f) {
-  const std::uint32_t plane = std::uint32_t(grid.index(1, 0, 0)), row = std::uint32_t(grid.index(0, 1, 0));
-  for (std::size_t begin = block.begin; begin < block.end;) {
-    const std::uint32_t cell = points.cell[begin];
-    std::size_t end = begin + 1;
-    while (end < block.end && points.cell[end] == cell) ++end;
-    f(Run{begin, end, {int(cell / plane), int(cell % plane / row), int(cell % row)}});
-    begin = end;
+  template <class T>
+  Block(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t begin_, std::size_t end_)
+      : begin(begin_), end(end_) {
+    for (std::size_t p = begin; p < end;) {
+      Run& run = runs[run_count++];
+      run.begin = p;
+      run.node = points.cell[p];
+      grid.split(run.node, run.base);
+      while (++p < end && points.cell[p] == run.node) {
+      }
+      run.end = p;
+    }
   }
+};
+
+template <class F>
+PM_HD void for_each_run(const Block& block, F&& f) {
+  for (int r = 0; r < block.run_count; ++r) f(block.runs[r]);
 }
 
 // f(first point, number of points) for each pack.
@@ -66,17 +75,16 @@ struct Patch {
       for (int j = 0; j < S; ++j)
         for (int k = 0; k < S; ++k) f(i, j, k);
   }
-  PM_HD void load(const GridGeometry<T>& grid, const int (&base)[3], const std::vector<Quad<T>>& nodes) {
-    for_each(
-        [&](int i, int j, int k) { at[i][j][k] = nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)]; });
+  PM_HD void load(const GridGeometry<T>& grid, const Run& run, const std::vector<Quad<T>>& nodes) {
+    const Quad<T>* first = nodes.data() + run.node;
+    for_each([&](int i, int j, int k) { at[i][j][k] = first[grid.index(i, j, k)]; });
   }
   PM_HD void subtract(const Patch& other) {
     for_each([&](int i, int j, int k) { at[i][j][k].v -= other.at[i][j][k].v; });
   }
-  PM_HD void add_to(const GridGeometry<T>& grid, const int (&base)[3], std::vector<Quad<T>>& nodes) const {
-    for_each([&](int i, int j, int k) {
-      nodes[grid.index(base[0] + i, base[1] + j, base[2] + k)] += at[i][j][k];
-    });
+  PM_HD void add_to(const GridGeometry<T>& grid, const Run& run, std::vector<Quad<T>>& nodes) const {
+    Quad<T>* first = nodes.data() + run.node;
+    for_each([&](int i, int j, int k) { first[grid.index(i, j, k)] += at[i][j][k]; });
   }
 };
 
@@ -178,9 +186,9 @@ struct Gradients {
   template <class Shape, class V>
   PM_HD void gather(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                     const std::vector<Quad<T>>& nodes) {
-    for_each_run(points, grid, block, [&](const Run& run) {
+    for_each_run(block, [&](const Run& run) {
       Patch<Shape, T> patch;
-      patch.load(grid, run.base, nodes);
+      patch.load(grid, run, nodes);
       const Interpolant<Shape, T> velocity(patch);
       for_each_pack<V>(run, [&](std::size_t p, int n) {
         V d[3][3];
@@ -209,12 +217,12 @@ struct Values {
   template <class Shape, class V>
   PM_HD void gather(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                     const std::vector<Quad<T>>& nodes, const std::vector<Quad<T>>* minus = nullptr) {
-    for_each_run(points, grid, block, [&](const Run& run) {
+    for_each_run(block, [&](const Run& run) {
       Patch<Shape, T> patch;
-      patch.load(grid, run.base, nodes);
+      patch.load(grid, run, nodes);
       if (minus) {
         Patch<Shape, T> other;
-        other.load(grid, run.base, *minus);
+        other.load(grid, run, *minus);
         patch.subtract(other);
       }
       const Interpolant<Shape, T> field(patch);
@@ -248,7 +256,7 @@ void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const
         for (int k = 0; k < Shape::support; ++k) add_scaled(patch.at[i][j][k], n.w[2][k], line);
       }
   }
-  patch.add_to(grid, run.base, nodes);
+  patch.add_to(grid, run, nodes);
 }
 
 // f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
@@ -273,7 +281,7 @@ void add_internal_force(const Particles<T>& points, const GridGeometry<T>& grid,
         }
       }
   }
-  force.add_to(grid, run.base, nodes);
+  force.add_to(grid, run, nodes);
 }
 
 }  // namespace pockmark

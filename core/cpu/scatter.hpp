@@ -64,7 +64,7 @@ PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run, const Eight
   for (int c = 0; c < 4; ++c) std::memcpy(at[c], sum[c].part, sizeof(at[c]));
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j) {
-      Quad<T>* node = &nodes[grid.index(run.base[0] + i, run.base[1] + j, run.base[2])];
+      Quad<T>* node = nodes.data() + run.node + grid.index(i, j, 0);
       for (int k = 0; k < 2; ++k) {
         const int l = 4 * i + 2 * j + k;
         node[k] += Quad<T>{{at[0][l], at[1][l], at[2][l], at[3][l]}};

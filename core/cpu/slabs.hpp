@@ -43,17 +43,17 @@ class Slabs {
   }
 
   // f(slab, block) for each block; slabs in parallel. `F` may write to the points of the block only.
-  template <class F>
-  void gather(int threads, F&& f) const {
+  template <class T, class F>
+  void gather(const Particles<T>& points, const GridGeometry<T>& grid, int threads, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int s = 0; s < count(); ++s) blocks(s, f);
+    for (int s = 0; s < count(); ++s) blocks(points, grid, s, f);
   }
   // As gather, but `F` may add to the nodes under the block.
-  template <class F>
-  void scatter(int threads, F&& f) const {
+  template <class T, class F>
+  void scatter(const Particles<T>& points, const GridGeometry<T>& grid, int threads, F&& f) const {
     for (int colour = 0; colour < 2; ++colour) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-      for (int s = colour; s < count(); s += 2) blocks(s, f);
+      for (int s = colour; s < count(); s += 2) blocks(points, grid, s, f);
     }
   }
   // f(slab, begin, end) over the points of each slab.
@@ -64,10 +64,10 @@ class Slabs {
   }
 
  private:
-  template <class F>
-  void blocks(int slab, F&& f) const {
+  template <class T, class F>
+  void blocks(const Particles<T>& points, const GridGeometry<T>& grid, int slab, F&& f) const {
     for (std::size_t begin = begin_[slab]; begin < begin_[slab + 1]; begin += Block::most)
-      f(slab, Block{begin, std::min(begin + Block::most, begin_[slab + 1])});
+      f(slab, Block(points, grid, begin, std::min(begin + Block::most, begin_[slab + 1])));
   }
 
   std::size_t plane_ = 1;

@@ -66,12 +66,12 @@ struct JohnsonCook {
     const T three_g = T(3) * shear_modulus;
     const T x_slow = fast_log(dt * reference_rate);  // increment of the reference rate
 
-    // Start: hardening at its old tangent, the rate at that of no hardening; at most the root without either.
-    const V most = select(yields, (trial - still) * (T(1) / three_g), V(dt * reference_rate));
-    const V x_most = fast_log(most);
-    const V tangent = three_g + select(most < strain, soft * n * power / max(strain, most), V(0));
-    const V guess = (trial - still * (V(1) + C * max(x_most - x_slow, V(0)))) / tangent;
-    V d = max(guess, T(0.01) * most), x = fast_log(d);
+    const V excess = select(yields, trial - still, T(1e-6) * trial);
+    const V most = excess * (T(1) / three_g),
+            x_most = fast_log(most);  // the root with neither rate nor hardening
+    const V rated = soft * (V(1) + C * max(x_most - T(1) - x_slow, V(0)));
+    const V tangent = three_g + select(most < strain, rated * n * power / max(strain, most), V(0));
+    V d = min(start(excess, tangent, C * still, x_slow), most), x = fast_log(d);
     const V rounding = T(8) * std::numeric_limits<T>::epsilon() * trial;
     V found = V(0);
     auto open = yields;
@@ -84,19 +84,40 @@ struct JohnsonCook {
       const V hard1 = n * hardened * share, hard2 = hard1 * (V(1) - (T(1) - n) * share);
       const V slope = three_g * d + soft * (hard1 * factor + hard * factor1);
       const V newton = residual / slope;
-      // One of Halley's steps from a Newton step of 1e-4 leaves an error below 1e-12. A tiny d cannot be
-      // known better than the rounding of the stress allows.
-      const auto exact = absolute(residual) <= rounding, near = absolute(newton) <= V(1e-4);
+      // One of Halley's steps leaves less than slope newton^3: of the stress, below 1e-12; unless it crosses
+      // the kink. A tiny d cannot be known better than the rounding of the stress allows.
+      const auto exact = absolute(residual) <= rounding;
+      const auto fast = V(x_slow) < x, falls = fast && x + newton <= V(x_slow);
+      const auto crosses = falls || (!fast && V(x_slow) < x + newton);
+      const auto near = slope * absolute(newton * newton * newton) <= T(1e-12) * trial &&
+                        absolute(newton) <= V(1e-3) && !crosses;
       const V curve = three_g * d + soft * (hard2 * factor + T(2) * hard1 * factor1);
       const V step = newton / (V(1) + T(0.5) * newton * curve / slope);
       const V refined = select(exact, d, d * (V(1) + step + T(0.5) * step * step));
       found = select(open, refined, found);
       open = open && !(exact || near);
       if (!any(open)) break;
-      x = min(x + newton, x_most);
+      x = select(falls, V(x_slow), min(x + newton, x_most));
       d = fast_exp(x);
     }
     return {found, !open};
+  }
+
+ private:
+  // The root of excess - tangent d - rate (ln d - x_slow), for hardening at its old tangent: w + ln w = L,
+  // Lambert's W, by one step of Fritsch, Shafer and Crowley (1973) from W's asymptotes. Right to 1e-4 or so.
+  template <class V>
+  PM_HD V start(V excess, V tangent, V rate, T x_slow) const {
+    rate = max(rate, T(1e-6) * excess);  // C, or the strength of a melt, may be zero
+    const V scale = rate / tangent;
+    const V L = excess / rate + V(x_slow) - fast_log(scale);
+    const V above = max(L, V(1)), l = fast_log(above), below = min(L, V(1)) - T(1);
+    V w = select(V(1) < L, above - l + l / above, V(1) + below * (T(0.5) + T(0.0625) * below));
+    const auto small = L < V(-1);
+    if (any(small)) w = select(small, fast_exp(L), w);
+    const V z = L - w - fast_log(w), w1 = V(1) + w;
+    const V q = T(2) * w1 * (w1 + T(2.0 / 3.0) * z);
+    return scale * w * (V(1) + z / w1 * (q - z) / (q - T(2) * z));
   }
 };
 

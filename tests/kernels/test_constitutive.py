@@ -20,6 +20,7 @@ T_ROOM, T_MELT, CP, CHI = 293.0, 775.0, 875.0, 0.9
 Q2, Q1 = 1.5, 0.06
 CELL, DT, V0 = 4e-6, 2e-10, 8e-18
 FLOOR, CLAMP = 0.05, (-1.5, 1 / 3)
+LANES = [False, True] if core.build_info()["lanes"] else [False]
 TREATMENTS = ["no_damage", "signed", "floor", "clamp_triaxiality"]
 
 # Round-off of a few hundred operations; Newton and brentq each stop at ~1e-14.
@@ -233,7 +234,6 @@ def failure_model(treatment, d=D):
 
 def check(name, material, *, eos, shear, jc, treatment, d=D, n=400, seed=1):
     states, gradients = random_states(n, seed)
-    got = core.update_stress(material, states, gradients, RHO * V0, CELL, DT)
     want = np.array(
         [
             reference_update(s, g, RHO * V0, eos=eos, shear=shear, jc=jc, treatment=treatment, d=d)
@@ -241,10 +241,14 @@ def check(name, material, *, eos, shear, jc, treatment, d=D, n=400, seed=1):
         ]
     )
     assert np.isfinite(want).all()
-    worst = compare(got, want, states, gradients, shear)
-    row, column = np.unravel_index(worst.argmax(), worst.shape)
-    print(f"{name}: {n} states, largest relative difference {worst.max():.2e} (state {row}, column {column})")
-    assert worst.max() < TOLERANCE
+    for lanes in LANES:
+        got = core.update_stress(material, states, gradients, RHO * V0, CELL, DT, lanes)
+        worst = compare(got, want, states, gradients, shear)
+        row, column = np.unravel_index(worst.argmax(), worst.shape)
+        print(
+            f"{name}, {lanes=}: largest relative difference {worst.max():.2e} (state {row}, column {column})"
+        )
+        assert worst.max() < TOLERANCE
     return states, want
 
 
@@ -301,7 +305,7 @@ def test_elastic_fluid_and_linear_eos():
     # A fluid carries no deviator: start it without one.
     states, gradients = random_states(400, 4)
     states[:, 7:] = 0
-    got = core.update_stress(build(gruneisen, core.Fluid(), no), states, gradients, RHO * V0, CELL, DT)
+    got = core.update_stress(build(gruneisen, core.Fluid(), no), states, gradients, RHO * V0, CELL, DT, False)
     want = np.array(
         [
             reference_update(s, g, RHO * V0, eos=mie_gruneisen, shear=0.0, jc=None, treatment=None)
@@ -328,6 +332,7 @@ def test_the_eos_reproduces_the_hugoniot(up):
         RHO * V0,
         CELL,
         DT,
+        lanes=False,
     )[0, 2]
     difference = abs(got / (RHO * us * up) - 1)
     print(f"up = {up} m/s: p = {got:.9e} Pa, relative difference {difference:.1e}")
@@ -345,6 +350,7 @@ def test_the_eos_is_continuous_at_zero_compression():
         RHO * V0,
         CELL,
         DT,
+        lanes=False,
     )
     jump = (got[0, 2] - got[1, 2]) / (RHO * C0**2 * 2e-9)
     print(f"slope across mu = 0: {jump:.6f} of K + gamma0 E terms")
@@ -393,3 +399,55 @@ def test_failure_strain_against_table_and_closed_form():
         worst = max(worst, abs(rated.failure_strain(x, rate, T) - failure_strain(x, rate, T, D_RATE)))
     print(f"failure strain: largest difference from the closed form {worst:.1e}")
     assert worst < 1e-13
+
+
+@pytest.mark.parametrize("lanes", LANES)
+@pytest.mark.parametrize("changed", [{}, {"C": 0.0}, {"B": 0.0}, {"m": 1.7}])
+def test_the_return_ends_on_the_yield_surface(changed, lanes):
+    """From a hair above yield to a thousand times it, across the kink at the reference rate, hot and molten."""
+    n, jc = 20000, {**JC, **changed}
+    rng = np.random.default_rng(7)
+    strain = np.where(rng.random(n) < 0.3, 0, 10 ** rng.uniform(-13, 0.3, n))
+    hot = rng.choice([T_ROOM, 500.0, 774.0, 800.0], n)
+    still = np.array([flow_stress(e, 0.0, t, jc) for e, t in zip(strain, hot, strict=True)])
+    excess = 10 ** rng.uniform(-10, 3, n)
+    trial = np.where(still > 0, still * (1 + excess), 1e8 * excess)
+    states = np.zeros((n, 13))
+    states[:, 0], states[:, 4], states[:, 5], states[:, 10] = V0, strain, hot, trial / np.sqrt(3)
+    material = build(core.MieGruneisen(RHO, C0, S, GAMMA0), johnson_cook(**changed), core.NoFailure())
+    got = core.update_stress(material, states, np.zeros((n, 9)), RHO * V0, CELL, DT, lanes)
+    flow = np.sqrt(3) * got[:, 10]
+    # The increment, by whichever of the two differences loses less to rounding.
+    by_stress, by_strain = np.maximum((trial - flow) / (3 * G), 0), got[:, 4] - strain
+    increment = np.where(strain < trial / (3 * G), by_strain, by_stress)
+    want = [flow_stress(e + d, d / DT, t, jc) for e, d, t in zip(strain, increment, hot, strict=True)]
+    # What rounding leaves of the increment moves the logarithm of the rate, above the kink.
+    lost = 8 * np.finfo(float).eps * np.minimum(strain, trial / (3 * G))
+    unsure = jc["C"] * np.array(want) * lost / np.maximum(increment, DT)
+    worst = (np.abs(flow - want) - unsure) / trial
+    slow = (increment > 0) & (increment < DT)
+    print(
+        f"{changed}, {lanes=}: off the yield surface by {worst.max():.1e} of the trial; {slow.sum()} slow returns"
+    )
+    assert slow.sum() > 100 or changed == {"B": 0.0}
+    assert worst.max() < 1e-12
+
+
+@pytest.mark.parametrize("lanes", LANES)
+def test_elementary_functions(lanes):
+    rng = np.random.default_rng(8)
+    x = 10 ** rng.uniform(-280, 280, 4001)
+    near = 1 + rng.uniform(-0.3, 0.3, 1003)
+    for values in (x, near):
+        error = np.abs(core.elementary("log", values, 0.0, lanes) / np.log(values) - 1).max()
+        print(f"log, {lanes=}: largest relative error {error:.1e}")
+        assert error < 1e-14
+    powers = rng.uniform(-640, 640, 4001)
+    error = np.abs(core.elementary("exp", powers, 0.0, lanes) / np.exp(powers) - 1).max()
+    print(f"exp, {lanes=}: largest relative error {error:.1e}")
+    assert error < 1e-14
+    strains = 10 ** rng.uniform(-14, 2, 4001)
+    error = np.abs(core.elementary("pow", strains, 0.34, lanes) / strains**0.34 - 1).max()
+    print(f"pow, {lanes=}: largest relative error {error:.1e}")
+    assert error < 1e-14
+    assert core.elementary("pow", np.zeros(9), 0.34, lanes).max() == 0
