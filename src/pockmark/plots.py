@@ -78,7 +78,14 @@ def _mark_depth(axes: Axes, crater: Crater | None) -> None:
         return
     x, depth = crater.bottom[0] * 1e6, crater.depth * 1e6
     axes.annotate("", (x, -depth), (x, 0.0), arrowprops={"arrowstyle": "<->", "color": "crimson"})
-    axes.text(x + 1, -depth / 2, f"$C_p$ = {depth:.1f} um", color="crimson", va="center")
+    axes.text(
+        x + 1,
+        -depth / 2,
+        f"$C_p$ = {depth:.1f} um",
+        color="crimson",
+        va="center",
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},
+    )
 
 
 def history_figure(history: Fields) -> Figure:

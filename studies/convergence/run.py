@@ -24,6 +24,7 @@ TREATMENTS = {
 }
 SCHEMES = {
     "usf": ["numerics.scheme=usf"],
+    "usf-cutoff-0.0001": ["numerics.scheme=usf", "numerics.mass_cutoff=0.0001"],
     "usf-cfl-0.25": ["numerics.scheme=usf", "numerics.cfl=0.25"],
     "musl": ["numerics.scheme=musl"],
     "musl-cfl-0.9": ["numerics.scheme=musl", "numerics.cfl=0.9"],
