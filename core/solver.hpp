@@ -179,6 +179,10 @@ class Solver {
       audit_.count(Counter::strain_limited_steps);
     }
     if (!(dt_ > 0) || !std::isfinite(dt_)) throw std::runtime_error("the time step is no longer a number");
+    if (cycle_ == 0) first_dt_ = dt_;
+    // Waves a thousand times faster than at the start are no physics, and the run would never end.
+    if (dt_ < 1e-3 * first_dt_)
+      throw std::runtime_error("the time step fell to a thousandth of the first one");
     // Land on the end exactly, without a sliver of a step before it.
     const double left = end_time - time_;
     if (left < 2 * dt_) dt_ = left <= dt_ ? left : left / 2;
@@ -389,7 +393,7 @@ class Solver {
   Audit audit_;     // of the whole run
   Audit extremes_;  // of the last stress update
   Departed departed_;
-  double time_ = 0, next_time_ = 0, dt_ = 0;
+  double time_ = 0, next_time_ = 0, dt_ = 0, first_dt_ = 0;
   std::int64_t cycle_ = 0;
   double initial_ = 0, absorbed_ = 0, pic_energy_ = 0;
 };

@@ -162,3 +162,13 @@ def test_python_and_toml_give_the_identical_run(tmp_path):
         simulation.run()
         runs.append(simulation.snapshot())
     assert all(np.array_equal(runs[0][k], runs[1][k]) for k in runs[0])
+
+
+def test_a_collapsed_step_ends_the_run_and_says_so(tmp_path):
+    """USL takes its strain from nodes that hold slivers of mass: its step falls without end."""
+    scene = Scene.load(EXAMPLES / "group-4500.toml", ["numerics.scheme=usl", "end_time='1 ns'"])
+    with pytest.raises(PockmarkError, match="time step fell to a thousandth of the first one"):
+        run_scene(scene, tmp_path / "usl", progress=False)
+    folder = RunFolder.open(tmp_path / "usl")
+    assert folder.manifest()["status"] == "failed"
+    assert len(folder.history()["time"]) > 0
