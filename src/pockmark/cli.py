@@ -1,4 +1,4 @@
-"""The command line: run, check, measure, plot."""
+"""The command line: run, check, measure, plot, bench."""
 
 import json
 import os
@@ -12,6 +12,8 @@ from rich.console import Console
 from rich.table import Table
 
 from . import __version__
+from .bench import bench as run_bench
+from .bench import bench_scene
 from .errors import PockmarkError
 from .run import forecast, measure_run, plot_run, run_scene
 from .scene import Scene
@@ -98,6 +100,37 @@ def plot(
     """Draw the slice through the crater and the history."""
     for picture in plot_run(folder, output):
         console.print(f"wrote {picture}")
+
+
+@app.command()
+def bench(
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON, SI.")] = False,
+    points: Annotated[int, typer.Option(min=1000, help="Material points, about.")] = 1_000_000,
+    precision: Annotated[str, typer.Option(help="double or single.")] = "double",
+    threads: Threads = 0,
+    overrides: Overrides = None,
+) -> None:
+    """How fast the step is here: a fixed impact with the full physics, phase by phase."""
+    scene = bench_scene(points, (f"numerics.precision={precision}", *(overrides or ())))
+    result = run_bench(scene, _threads(threads))
+    if as_json:
+        print(json.dumps(result, indent=2))
+        return
+    title = (
+        f"{result['points']:,} points, {result['scheme']}, {result['shape_functions']}, {result['precision']}"
+    )
+    table = Table("phase", "ns a point", "bytes a point", "of the copy bandwidth", title=title)
+    for name, phase in result["phases"].items():
+        share = f"{phase['share_of_copy_bandwidth']:.0%}" if phase["bytes_per_point"] else ""
+        table.add_row(name, f"{phase['ns_per_point']:.1f}", f"{phase['bytes_per_point']:.0f}", share)
+    console.print(table)
+    console.print(
+        f"{result['particle_steps_per_second'] / 1e6:.2f} M particle-steps/s on {result['threads']} threads "
+        f"({result['isa']}); copy bandwidth {result['copy_bandwidth'] / 1e9:.1f} GB/s, "
+        f"{result['share_of_copy_bandwidth']:.0%} of it used; {result['bytes_per_point']:.0f} bytes a point"
+    )
+    if "lanes_over_scalar" in result:
+        console.print(f"{result['lanes_over_scalar']:.2f} times the scalar driver")
 
 
 def _version(value: bool) -> None:

@@ -25,8 +25,11 @@ class Task(Protocol):
 class Simulation:
     """The state of one scene. Positions etc. come as copies in SI, in the core's current order."""
 
-    def __init__(self, scene: Scene, threads: int | None = None) -> None:
-        """Make the points and the grid. Raises PockmarkError if a body has no points."""
+    def __init__(self, scene: Scene, threads: int | None = None, lanes: bool | None = None) -> None:
+        """Make the points and the grid. Raises PockmarkError if a body has no points.
+
+        `lanes=False` takes the scalar driver, the reference, where the core has SIMD lanes.
+        """
         self.scene = scene
         self.threads = threads or len(os.sched_getaffinity(0))
         self.stepping_seconds = 0.0
@@ -47,7 +50,7 @@ class Simulation:
                 strain_limit=numerics.strain_limit,
                 pic_fraction=numerics.pic_fraction,
                 mass_cutoff=numerics.mass_cutoff,
-                lanes=_core.build_info()["lanes"],
+                lanes=_core.build_info()["lanes"] if lanes is None else lanes,
             ),
             threads=self.threads,
         )

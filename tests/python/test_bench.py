@@ -1,0 +1,52 @@
+"""`pockmark bench`: the figures hang together; the drivers agree. No speed is asserted."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import pockmark._core as core
+from pockmark.bench import bench_scene
+from pockmark.simulation import Simulation
+
+
+def test_bench_prints_figures_that_hang_together():
+    command = [sys.executable, "-m", "pockmark", "bench", "--json", "--points", "5000", "--threads", "1"]
+    result = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    total = sum(phase["ns_per_point"] for phase in result["phases"].values())
+    print(f"{result['particle_steps_per_second']:.3g} particle-steps/s on {result['isa']}")
+    assert result["particle_steps_per_second"] == pytest.approx(1e9 / total, rel=1e-6)
+    assert result["copy_bandwidth"] > 0
+    assert result["share_of_copy_bandwidth"] == pytest.approx(result["traffic"] / result["copy_bandwidth"])
+    assert ("lanes_over_scalar" in result) == core.build_info()["lanes"]
+    assert result["bytes_per_point"] <= 250
+
+
+@pytest.mark.skipif(not core.build_info()["lanes"], reason="this core has one driver only")
+@pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
+@pytest.mark.parametrize("scheme", ["usf", "musl", "usavg"])
+@pytest.mark.parametrize(("precision", "tolerance"), [("double", 1e-12), ("single", 1e-4)])
+def test_the_lanes_agree_with_the_scalar_driver(scheme, shape, precision, tolerance):
+    """A whole impact, with mixed bodies in a pack, odd runs, lone points and empty cells."""
+    scene = bench_scene(
+        5000,
+        (
+            f"numerics.scheme={scheme}",
+            f"numerics.shape_functions={shape}",
+            f"numerics.precision={precision}",
+            "grid.cell='15.3 um'",
+        ),
+    )
+    ends = []
+    for lanes in (False, True):
+        simulation = Simulation(scene, 2, lanes=lanes)
+        simulation.advance(1.0, max_steps=25)
+        order = np.argsort(simulation.field("id"))
+        ends.append({name: simulation.field(name)[order] for name in ("velocity", "energy", "deviator")})
+        ends[-1]["ledger"] = np.array([simulation.ledger()[k] for k in ("internal", "kinetic", "absorbed")])
+    for name, scalar in ends[0].items():
+        off = np.abs(ends[1][name] - scalar).max() / np.abs(scalar).max()
+        print(f"{scheme}, {shape}, {precision}: {name} differs by {off:.1e} of its largest")
+        assert off < tolerance
