@@ -68,7 +68,7 @@ def commit() -> str:
         result = subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True)
         return result.stdout.strip()
 
-    changed = git("status", "--porcelain", "--", ":/", ":(exclude,top)studies/**/*.csv")
+    changed = git("status", "--porcelain", "--", ":/", ":(exclude,top,glob)**/*.csv")
     return git("describe", "--always") + ("-dirty" if changed else "")
 
 
