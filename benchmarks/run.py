@@ -7,10 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "studies"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
 from campaign import keep
 
+HERE = Path(__file__).parent
 QUADRATIC = "numerics.shape_functions=quadratic"
 CASES: dict[str, tuple[str, list[str]]] = {
     "usavg": ("", []),
