@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from . import __version__, results
+from . import __version__, _core, results
 from .crater import Crater
 from .errors import PockmarkError
 from .plots import history_figure, slice_figure
@@ -20,7 +20,7 @@ from .tasks import History, ProgressBar, Snapshots
 BYTES_PER_POINT = 190  # fields, indices and the sort's scratch, fp64
 BYTES_PER_NODE = 164
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
-TYPICAL_RATE = 3.0e6
+TYPICAL_RATE = {"avx512": 9e6, "avx2": 6e6, "scalar": 2.5e6}
 
 
 def run_scene(
@@ -177,12 +177,14 @@ def forecast(scene: Scene, threads: int) -> Forecast:
     steps = math.ceil(1.35 * scene.end_time / (scene.numerics.cfl * scene.grid.cell / speed))
     nodes = math.prod(n + 3 for n in scene.grid.cells)
     slower = 2.0 if scene.numerics.shape_functions == "quadratic" else 1.0
+    size = 1.0 if scene.numerics.precision == "double" else 0.5
+    rate = TYPICAL_RATE[_core.build_info()["isa"]] * threads
     return Forecast(
         points=points,
         cells=scene.grid.cell_count,
         steps=steps,
-        memory=points * BYTES_PER_POINT + nodes * BYTES_PER_NODE,
-        seconds=points * steps * slower / (TYPICAL_RATE * threads),
+        memory=size * (points * BYTES_PER_POINT + nodes * BYTES_PER_NODE),
+        seconds=points * steps * slower / rate,
         warnings=warnings(scene),
     )
 
