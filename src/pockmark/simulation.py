@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -130,6 +130,28 @@ class Simulation:
             while self.time < target:
                 # Few steps a call, so that Ctrl-C is heard within a second or so.
                 self.advance(target, max_steps=max(1, 2_000_000 // max(self.points, 1)))
+
+
+class LiveFields(Mapping[str, NDArray[Any]]):
+    """The fields of a simulation as they are now, each copied only when it is asked for."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        """Of `simulation`, which must not step while they are read."""
+        self._simulation = simulation
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """A field by its name."""
+        if name not in field_names():
+            raise KeyError(name)
+        return self._simulation.field(name)
+
+    def __iter__(self) -> Iterator[str]:
+        """The names."""
+        return iter(field_names())
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(field_names())
 
 
 def field_names() -> list[str]:

@@ -173,9 +173,9 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
     root.create_dataset("Offsets", data=np.arange(n + 1, dtype=np.int64), compression=1)
     root.create_dataset("Types", data=np.full(n, 1, dtype=np.uint8), compression=1)
     data = root.create_group("PointData")
-    for name, values in fields.items():
+    for name in fields:
         if name != "position":
-            data.create_dataset(name, data=values)
+            data.create_dataset(name, data=fields[name])
     data.create_dataset("effective_stress", data=effective_stress(fields["deviator"]))
     extra = root.create_group("FieldData")
     extra.create_dataset("time", data=np.array([time_s]))

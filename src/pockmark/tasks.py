@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from .simulation import Simulation
+from .simulation import LiveFields, Simulation
 from .store import RunFolder
 
 # What a row of the history holds of the ledger.
@@ -54,7 +54,8 @@ class Snapshots:
 
     def act(self, simulation: Simulation) -> None:
         """Write all fields of all points."""
-        self.folder.write_snapshot(simulation.snapshot(), simulation.time, simulation.steps)
+        # Field by field: all at once would double the memory of the run.
+        self.folder.write_snapshot(LiveFields(simulation), simulation.time, simulation.steps)
 
 
 class ProgressBar:
