@@ -34,7 +34,7 @@ def run_scene(
     bar = ProgressBar(simulation) if progress else None
     status = "failed"
     try:
-        simulation.run([*tasks, bar] if bar else tasks)
+        simulation.run(tasks, watch=bar.watch if bar else None)
         status = "finished"
     except KeyboardInterrupt:
         status = "interrupted"

@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -115,8 +115,16 @@ class Simulation:
         self.point_steps += points * steps
         return steps
 
-    def run(self, tasks: Sequence[Task] = (), end_time: float | None = None) -> None:
-        """Step to the end, calling each task at its times. KeyboardInterrupt comes through between steps."""
+    def run(
+        self,
+        tasks: Sequence[Task] = (),
+        end_time: float | None = None,
+        watch: Callable[["Simulation"], None] | None = None,
+    ) -> None:
+        """Step to the end, calling each task at its times, which the steps hit exactly.
+
+        `watch` is called every second or so and changes nothing. KeyboardInterrupt comes through between steps.
+        """
         end = self.scene.end_time if end_time is None else end_time
         counts = [0] * len(tasks)
         while True:
@@ -130,6 +138,8 @@ class Simulation:
             while self.time < target:
                 # Few steps a call, so that Ctrl-C is heard within a second or so.
                 self.advance(target, max_steps=max(1, 2_000_000 // max(self.points, 1)))
+                if watch:
+                    watch(self)
 
 
 class LiveFields(Mapping[str, NDArray[Any]]):

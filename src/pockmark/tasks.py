@@ -1,5 +1,7 @@
 """What happens during a run: history, snapshots, the progress bar."""
 
+import time
+
 import numpy as np
 from numpy.typing import NDArray
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
@@ -64,7 +66,7 @@ class ProgressBar:
     def __init__(self, simulation: Simulation) -> None:
         """The bar starts at once; call close() at the end."""
         end = simulation.scene.end_time
-        self.interval = end / 200
+        self._shown = float("-inf")
         self._bar = Progress(
             TextColumn("{task.description}"),
             BarColumn(),
@@ -75,8 +77,11 @@ class ProgressBar:
         self._task = self._bar.add_task("impact", total=end, state="")
         self._bar.start()
 
-    def act(self, simulation: Simulation) -> None:
-        """Show where the run is."""
+    def watch(self, simulation: Simulation) -> None:
+        """Show where the run is, every second. No task: it must not move the steps."""
+        if time.monotonic() - self._shown < 1.0 and simulation.time < simulation.scene.end_time:
+            return
+        self._shown = time.monotonic()
         state = (
             f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s"
             f"  depth {current_depth(simulation) * 1e6:.1f} um"

@@ -172,3 +172,11 @@ def test_a_collapsed_step_ends_the_run_and_says_so(tmp_path):
     folder = RunFolder.open(tmp_path / "usl")
     assert folder.manifest()["status"] == "failed"
     assert len(folder.history()["time"]) > 0
+
+
+def test_the_progress_bar_changes_nothing(tmp_path):
+    scene = Scene.load(QUICK)
+    for progress in (False, True):
+        run_scene(scene, tmp_path / str(progress), progress=progress)
+    quiet, shown = (RunFolder.open(tmp_path / str(p)).path / "history.csv" for p in (False, True))
+    assert quiet.read_bytes() == shown.read_bytes()
