@@ -33,7 +33,7 @@ struct Tally {
   PM_HD void count(Counter c, mask_t<V> mask) { counts[std::size_t(c)] += pockmark::count(mask); }
 };
 
-// One a slab, added up in slab order, so that sums do not depend on the number of threads.
+// One a tile, added up in the order of the tiles, so that sums do not depend on the number of threads.
 struct Audit {
   std::array<std::int64_t, counter_names.size()> counts{};
   double wave_speed = 0;       // largest |v| + c of any point

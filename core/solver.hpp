@@ -7,8 +7,8 @@
 
 #include "boundary.hpp"
 #include "cpu/scatter.hpp"
-#include "cpu/slabs.hpp"
 #include "cpu/sort.hpp"
+#include "cpu/tiles.hpp"
 #include "grid_update.hpp"
 #include "timers.hpp"
 #include "update.hpp"
@@ -199,7 +199,7 @@ class Solver {
 
   template <class K>
   void map_to_grid() {
-    slabs_.scatter(points_, grid_.geometry, threads_, [&](int, const Block& block) {
+    tiles_.scatter(points_, grid_.geometry, threads_, [&](int, const Block& block) {
       for_each_run(block, [&](const Run& run) {
         cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, run, grid_.before);
         add_damping<typename K::Shape>(points_, grid_, faces_, run, impedance_);
@@ -226,18 +226,18 @@ class Solver {
     const bool average = options_.scheme == Scheme::usavg;
     const T old_share = T(average ? 0 : 0.5);
     const StressStep<T> step{T(average ? dt_ / 2 : dt_), T(dt_), old_share, T(1) - old_share};
-    std::vector<Audit> audits(slabs_.count());
-    const auto work = [&](int slab, const Block& block) {
+    std::vector<Audit> audits(tiles_.count());
+    const auto work = [&](int tile, const Block& block) {
       if (velocity)
         update_stress<typename K::Shape, typename K::V>(points_, grid_.geometry, materials_, block, *velocity,
-                                                        step, audits[slab]);
+                                                        step, audits[tile]);
       if (forces)
         for_each_run(block, [&](const Run& run) {
           cpu::scatter_force<typename K::Shape, typename K::V>(points_, grid_.geometry, run, grid_.force);
         });
     };
-    forces ? slabs_.scatter(points_, grid_.geometry, threads_, work)
-           : slabs_.gather(points_, grid_.geometry, threads_, work);
+    forces ? tiles_.scatter(points_, grid_.geometry, threads_, work)
+           : tiles_.gather(points_, grid_.geometry, threads_, work);
     if (forces) fold(grid_.geometry, faces_, grid_.force, Mirrored::vector);
     if (!velocity) return;
     extremes_ = {};
@@ -281,9 +281,9 @@ class Solver {
 
   template <class K>
   void map_to_points(bool remaps) {
-    std::vector<double> taken(slabs_.count());
-    const auto work = [&](int slab, const Block& block) {
-      taken[slab] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
+    std::vector<double> taken(tiles_.count());
+    const auto work = [&](int tile, const Block& block) {
+      taken[tile] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
                                                                          T(options_.pic_fraction));
       if (remaps)
         for_each_run(block, [&](const Run& run) {
@@ -291,8 +291,8 @@ class Solver {
                                                                   grid_.remapped);
         });
     };
-    remaps ? slabs_.scatter(points_, grid_.geometry, threads_, work)
-           : slabs_.gather(points_, grid_.geometry, threads_, work);
+    remaps ? tiles_.scatter(points_, grid_.geometry, threads_, work)
+           : tiles_.gather(points_, grid_.geometry, threads_, work);
     for (double t : taken) pic_energy_ += t;
     if (!remaps) return;
     fold(grid_.geometry, faces_, grid_.remapped, Mirrored::vector);
@@ -303,12 +303,12 @@ class Solver {
   template <class K>
   void move() {
     const auto* remapped = options_.scheme == Scheme::usavg ? &grid_.remapped : nullptr;
-    slabs_.gather(points_, grid_.geometry, threads_, [&](int, const Block& block) {
+    tiles_.gather(points_, grid_.geometry, threads_, [&](int, const Block& block) {
       pockmark::move<typename K::Shape, typename K::V>(points_, grid_, materials_, block, remapped, T(dt_));
     });
   }
 
-  // The points' cells. They are sorted by cell now and then only: the kernels need each point near its slab,
+  // The points' cells. They are sorted by cell now and then only: the kernels need each point near its tile,
   // and like neighbours in memory, no more.
   template <class K>
   void locate(bool sort_now) {
@@ -322,9 +322,9 @@ class Solver {
       any_outside = any_outside || !inside;
     }
     if (any_outside) account_for_departed();
-    if (!sort_now && !any_outside && slabs_.hold(points_, threads_)) return;
+    if (!sort_now && !any_outside && tiles_.hold(points_, grid_.geometry, threads_)) return;
     sorter_(points_, grid_.geometry.node_count(), threads_);
-    slabs_.locate(points_, grid_.geometry);
+    tiles_.locate(points_, grid_.geometry);
   }
 
   template <class K>
@@ -366,12 +366,12 @@ class Solver {
   }
 
   Ledger energies() const {
-    std::vector<Ledger> parts(slabs_.count());
-    slabs_.points(threads_, [&](int slab, std::size_t begin, std::size_t end) {
+    std::vector<Ledger> parts(tiles_.count());
+    tiles_.points(threads_, [&](int tile, std::size_t begin, std::size_t end) {
       for (std::size_t p = begin; p < end; ++p) {
         const auto v = points_.vector(Field::velocity, p);
-        parts[slab].kinetic += 0.5 * double(points_.at(Field::mass)[p]) * double(dot(v, v));
-        parts[slab].internal += internal_energy(p);
+        parts[tile].kinetic += 0.5 * double(points_.at(Field::mass)[p]) * double(dot(v, v));
+        parts[tile].internal += internal_energy(p);
       }
     });
     Ledger sum;
@@ -387,7 +387,7 @@ class Solver {
   T cutoff_;  // kg
   Particles<T> points_;
   Grid<T> grid_;
-  cpu::Slabs slabs_;
+  cpu::Tiles tiles_;
   cpu::Sorter<T> sorter_;
   Timers timers_;
   Audit audit_;     // of the whole run
