@@ -30,7 +30,15 @@ struct Tally {
   V wave_speed = V(0), volumetric_rate = V(0), compression = V(0);  // largest of each lane
   V plastic_work = V(0), viscous_work = V(0);
 
-  PM_HD void count(Counter c, mask_t<V> mask) { counts[std::size_t(c)] += pockmark::count(mask); }
+  PM_HD void count(Counter c, mask_t<V> mask) {
+    if (any(mask)) counts[std::size_t(c)] += pockmark::count(mask);
+  }
+  // |v| + c from the squares. Most are below the largest so far, and that is told without roots.
+  PM_HD void note_speed(mask_t<V> active, V c2, V v2) {
+    const V left = wave_speed * wave_speed - c2 - v2;
+    const auto record = active && (left < V(0) || left * left < V(4) * c2 * v2);
+    if (any(record)) wave_speed = select(record, max(wave_speed, root(c2) + root(v2)), wave_speed);
+  }
 };
 
 // One a tile, added up in the order of the tiles, so that sums do not depend on the number of threads.
@@ -41,6 +49,13 @@ struct Audit {
   double compression = 0;      // largest rho/rho0
   double plastic_work = 0, viscous_work = 0;
 
+  // An empty tally, but for the largest wave speed so far.
+  template <class V>
+  Tally<V> tally() const {
+    Tally<V> out;
+    out.wave_speed = V(number_t<V>(wave_speed));
+    return out;
+  }
   void count(Counter c) { ++counts[std::size_t(c)]; }
   template <class Other>
   void absorb(const Other& other) {

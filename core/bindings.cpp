@@ -64,54 +64,52 @@ nb::object to_array(std::vector<V> values, std::size_t rows, std::size_t columns
   return nb::cast(nb::ndarray<nb::numpy, V>(owned->data(), columns == 1 ? 1 : 2, shape, owner));
 }
 
-// Runs the stress update alone on rows of states: volume, energy, pressure, viscosity, plastic_strain,
-// temperature, damage, then the deviator; gradients: D (6), axial spin vector (3).
-// With lanes, a pack of states at a time.
+// Runs the stress update alone, as the step does, on rows of states: volume, energy, pressure, viscosity,
+// plastic_strain, temperature, damage, then the deviator; gradients: D (6), axial spin vector (3). Returns
+// the states after it and the sound speed.
 struct StressProbe {
   static constexpr int in = 13, out = 14;
+  static constexpr Field fields[7]{Field::ratio,     Field::energy,         Field::pressure,
+                                   Field::viscosity, Field::plastic_strain, Field::temperature,
+                                   Field::damage};
 
   template <class V>
   static std::vector<double> run(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass,
                                  double cell, double dt) {
-    const auto material = spec.as<double>();
-    const StressUpdate<V> update{material, cell, dt, dt, 0.5, 0.5};
+    const std::vector<Material<double>> materials{spec.as<double>()};
+    const double reference_volume = mass * materials[0].specific_volume;
     const std::size_t n = states.size() / in;
+    Particles<double> points;
+    points.resize(n);
     std::vector<double> rows(out * n);
-    Tally<V> tally;
-    for (std::size_t first = 0; first < n; first += Pack<V>::width) {
-      const int count = int(std::min(n - first, std::size_t(Pack<V>::width)));
-      const auto column = [&](Doubles from, int columns, int c) {
-        double lane[Pack<V>::width];
-        for (int i = 0; i < Pack<V>::width; ++i)
-          lane[i] = from.data()[(first + std::min(i, count - 1)) * columns + c];
-        return Pack<V>::load(lane);
-      };
-      const auto s = [&](int c) { return column(states, in, c); };
-      const auto g = [&](int c) { return column(gradients, 9, c); };
-      PointState<V> point{s(0), s(1), s(2), s(3), s(4), s(5), s(6), {s(7), s(8), s(9), s(10), s(11), s(12)}};
-      const VelocityGradient<V> L{{g(0), g(1), g(2), g(3), g(4), g(5)}, {g(6), g(7), g(8)}};
-      const V c = update(point, L, V(mass), first_lanes<V>(count), tally);
-      const auto& d = point.deviator;
-      const V result[out] = {point.volume,
-                             point.energy,
-                             point.pressure,
-                             point.viscosity,
-                             point.plastic_strain,
-                             point.temperature,
-                             point.damage,
-                             d.xx,
-                             d.yy,
-                             d.zz,
-                             d.xy,
-                             d.yz,
-                             d.zx,
-                             c};
-      for (int k = 0; k < out; ++k) {
-        double lane[Pack<V>::width];
-        Pack<V>::store(lane, result[k]);
-        for (int i = 0; i < count; ++i) rows[(first + i) * out + k] = lane[i];
-      }
+    const auto scale = [&](int c) { return c == 0 ? reference_volume : 1.0; };
+    const auto component = [&](int c, std::size_t p) -> double& {
+      return c < 7 ? points.at(fields[c])[p] : points.at(Field::deviator, c - 7)[p];
+    };
+    for (std::size_t p = 0; p < n; ++p) {
+      points.at(Field::mass)[p] = mass;
+      for (int c = 0; c < in; ++c) component(c, p) = states.data()[p * in + c] / scale(c);
     }
+    const auto update = [&](Particles<double>& of, std::size_t begin, std::size_t end) {
+      const Block block{begin, end, true, 0, nullptr};
+      Columns<double, 9> gradient;
+      for (std::size_t p = begin; p < end; ++p) {
+        const double* g = gradients.data() + 9 * p;
+        const double L[9] = {g[0],        g[3] - g[8], g[5] + g[7], g[3] + g[8], g[1],
+                             g[4] - g[6], g[5] - g[7], g[4] + g[6], g[2]};
+        for (int c = 0; c < 9; ++c) gradient.store(c, p - begin, L[c]);
+      }
+      Audit audit;
+      Columns<double, 6> push;
+      update_stress<V>(of, materials, cell, block, gradient, {dt, dt, 0.5, 0.5}, audit, push);
+      return audit.wave_speed;
+    };
+    auto alone = points;  // at rest and one by one, the fastest wave is the sound speed
+    for (std::size_t p = 0; p < n; ++p) rows[p * out + in] = update(alone, p, p + 1);
+    for (std::size_t begin = 0; begin < n; begin += Block::most)
+      update(points, begin, std::min(begin + Block::most, n));
+    for (std::size_t p = 0; p < n; ++p)
+      for (int c = 0; c < in; ++c) rows[p * out + c] = component(c, p) * scale(c);
     return rows;
   }
 
@@ -150,35 +148,51 @@ const FieldInfo& field_named(const std::string& name) {
   throw std::invalid_argument("no field is named '" + name + "'");
 }
 
+// What a field as a user knows it is in units of what the core keeps: 1, but for the volume, kept as V/V0.
+template <class T>
+double user_scale(const Solver<T>& solver, Field field, std::size_t p) {
+  return field == Field::ratio ? solver.reference_volume(p) : 1.0;
+}
+
+// A field of the points that have not left.
 template <class T>
 nb::object get_field(const Solver<T>& solver, const std::string& name) {
   const auto& points = solver.points();
-  const std::size_t n = points.size();
-  if (name == "body") return to_array(points.body, n, 1);
-  if (name == "id") return to_array(points.id, n, 1);
+  const std::size_t n = solver.live_points();
+  const auto rows = [&]<class Number>(Number, int columns, auto&& value) {
+    std::vector<Number> out;
+    out.reserve(n * columns);
+    solver.for_each_point([&](std::size_t p) {
+      for (int c = 0; c < columns; ++c) out.push_back(value(p, c));
+    });
+    return to_array(std::move(out), n, columns);
+  };
+  if (name == "body") return rows(std::uint8_t(), 1, [&](std::size_t p, int) { return points.body[p]; });
+  if (name == "id") return rows(std::uint32_t(), 1, [&](std::size_t p, int) { return points.id[p]; });
   const auto& info = field_named(name);
-  std::vector<double> out(n * info.components);
   if (info.field == Field::deviator) {
-    for (std::size_t p = 0; p < n; ++p) {
+    return rows(0.0, 6, [&](std::size_t p, int c) {
       const auto s = solver.settled_deviator(p);
-      const double row[6] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
-      std::copy(row, row + 6, out.begin() + 6 * p);
-    }
-    return to_array(std::move(out), n, 6);
+      const T all[6] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
+      return double(all[c]);
+    });
   }
-  for (int c = 0; c < info.components; ++c)
-    for (std::size_t p = 0; p < n; ++p) out[p * info.components + c] = double(points.at(info.field, c)[p]);
-  return to_array(std::move(out), n, info.components);
+  return rows(0.0, info.components, [&](std::size_t p, int c) {
+    return double(points.at(info.field, c)[p]) * user_scale(solver, info.field, p);
+  });
 }
 
 template <class T>
 void set_field(Solver<T>& solver, const std::string& name, Doubles values) {
   auto& points = solver.points();
   const auto& info = field_named(name);
-  if (values.size() != points.size() * info.components) throw std::invalid_argument(name + ": wrong size");
-  for (int c = 0; c < info.components; ++c)
-    for (std::size_t p = 0; p < points.size(); ++p)
-      points.at(info.field, c)[p] = T(values.data()[p * info.components + c]);
+  if (values.size() != solver.live_points() * info.components)
+    throw std::invalid_argument(name + ": wrong size");
+  const double* value = values.data();
+  solver.for_each_point([&](std::size_t p) {
+    for (int c = 0; c < info.components; ++c)
+      points.at(info.field, c)[p] = T(*value++ / user_scale(solver, info.field, p));
+  });
 }
 
 template <class T>
@@ -199,8 +213,10 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
       points.at(Field::position, a)[p] = T(position.data()[3 * i + a]);
       points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
     }
+    // Points at the density of their material are kept with V/V0 = 1 exactly: they have no stress at all.
+    const double density = materials[body.data()[i]].template as<double>().density();
     points.at(Field::mass)[p] = T(mass.data()[i]);
-    points.at(Field::volume)[p] = T(volume.data()[i]);
+    points.at(Field::ratio)[p] = T(volume.data()[i] * density / mass.data()[i]);
     points.at(Field::temperature)[p] = T(materials[body.data()[i]].t_room);
     points.body[p] = body.data()[i];
     points.id[p] = std::uint32_t(p);
@@ -213,7 +229,7 @@ nb::dict get_ledger(const Solver<T>& solver) {
   const auto momentum = solver.momentum();
   const auto& departed = solver.departed();
   double mass = 0;
-  for (std::size_t p = 0; p < solver.points().size(); ++p) mass += double(solver.points().at(Field::mass)[p]);
+  solver.for_each_point([&](std::size_t p) { mass += double(solver.points().at(Field::mass)[p]); });
   nb::dict d;
   d["time"] = solver.time();
   d["kinetic"] = l.kinetic, d["internal"] = l.internal, d["absorbed"] = l.absorbed,
@@ -273,7 +289,7 @@ void bind_solver(nb::module_& m, const char* name) {
       .def_prop_ro("time", [](const S& s) { return s.solver.time(); })
       .def_prop_ro("dt", [](const S& s) { return s.solver.dt(); })
       .def_prop_ro("cycle", [](const S& s) { return s.solver.cycle(); })
-      .def_prop_ro("points", [](const S& s) { return s.solver.points().size(); })
+      .def_prop_ro("points", [](const S& s) { return s.solver.live_points(); })
       .def_prop_ro("cells",
                    [](const S& s) {
                      const auto& c = s.solver.grid().geometry.cells;
@@ -299,7 +315,7 @@ void bind_solver(nb::module_& m, const char* name) {
         nb::dict d;
         // Fields, body, id, cell; the sorter's scratch and permutation.
         d["points"] = n * (component_count * sizeof(T) + 9 + sizeof(T) + 9);
-        d["grid"] = nodes * (5 * sizeof(Quad<T>) + 4);
+        d["grid"] = nodes * (4 * sizeof(Quad<T>) + 4);
         return d;
       });
 }
@@ -398,11 +414,12 @@ NB_MODULE(POCKMARK_MODULE, m) {
       .def(
           "__init__",
           [](Options* self, Scheme scheme, ShapeFunction shape, double cfl, double strain_limit,
-             double pic_fraction, double mass_cutoff, bool lanes) {
+             double pic_fraction, double mass_cutoff, bool lanes, bool sleep) {
             if (lanes && !has_lanes) throw std::invalid_argument("this core was built without SIMD lanes");
-            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff, lanes};
+            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff, lanes, sleep};
           },
-          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a, "lanes"_a);
+          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a, "lanes"_a,
+          "sleep"_a);
 
   bind_solver<double>(m, "Solver");
   bind_solver<float>(m, "SolverSingle");

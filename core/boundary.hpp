@@ -65,12 +65,19 @@ void constrain(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad
       });
 }
 
+// What a transmitting face needs of a body's material.
+template <class T>
+struct Damper {
+  T normal, tangential;  // rho c_d, rho c_s
+  T specific_volume;     // 1/rho0
+};
+
 // Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the
 // layer of cells behind the face stands for the area V/h; projected onto the face it shares it among the
 // nodes there, so edges get a half and corners a quarter without special cases.
 template <class Shape, class T>
 void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, const Run& run,
-                 const std::vector<Vec3<T>>& impedance) {
+                 const std::vector<Damper<T>>& dampers) {
   const auto& geometry = grid.geometry;
   bool near = false;
   for (int a = 0; a < 3; ++a)
@@ -85,16 +92,18 @@ void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, 
     for (std::size_t p = run.begin; p < run.end; ++p) {
       const auto position = points.vector(Field::position, p);
       if (int(std::floor(geometry.local(position[axis], axis))) != layer) continue;
-      Vec3<T> x = position;
-      x[axis] = face % 2 ? geometry.upper(axis) : geometry.lower[axis];
+      // Projected onto the face; the linear stencil of an upper face ends on it.
       int base[3] = {run.base[0], run.base[1], run.base[2]};
-      // The linear stencil of the upper face ends on it; the base of its own would lie one cell outside.
-      base[axis] = Shape::support == 2 ? layer : Shape::base(geometry.local(x[axis], axis));
-      const Stencil<Shape, T> n(geometry, x, base);
-      const T area = points.at(Field::volume)[p] / geometry.cell;
-      const auto& z = impedance[points.body[p]];  // rho c_d, rho c_s
-      const Quad<T> per_direction{
-          {axis == 0 ? z.x : z.y, axis == 1 ? z.x : z.y, axis == 2 ? z.x : z.y, T(0)}};
+      base[axis] = Shape::support == 2 ? layer : layer + face % 2 - 1;
+      Vec3<T> f;
+      for (int a = 0; a < 3; ++a) f[a] = geometry.local(position[a], a) - T(base[a]);
+      f[axis] = T(layer + face % 2 - base[axis]);
+      const Stencil<Shape, T> n(f, geometry.per_metre);
+      const auto& damper = dampers[points.body[p]];
+      const T volume = points.at(Field::ratio)[p] * points.at(Field::mass)[p] * damper.specific_volume;
+      const T area = volume * geometry.per_metre;
+      Quad<T> per_direction;
+      for (int a = 0; a < 3; ++a) per_direction.v[a] = a == axis ? damper.normal : damper.tangential;
       Patch<Shape, T>::for_each([&](int i, int j, int k) {
         add_scaled(grid.damping[geometry.index(base[0] + i, base[1] + j, base[2] + k)],
                    n.weight(i, j, k) * area, per_direction);

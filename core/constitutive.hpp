@@ -29,10 +29,6 @@ struct Material {
 
   T specific_volume;  // 1/rho0
 
-  template <class V>
-  PM_HD V reference_volume(V mass) const {
-    return mass * specific_volume;
-  }
   PM_HD T density() const {
     return eos.visit([](const auto& e) { return e.density; });
   }
@@ -48,10 +44,10 @@ struct Material {
   PM_HD T shear_speed() const { return std::sqrt(shear_modulus() / density()); }
 };
 
-// Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0; ratio = V/V0.
+// Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0.
 template <class V>
-PM_HD V stress_power(const PointState<V>& point, const Sym3<V>& rate, V ratio) {
-  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) * ratio;
+PM_HD V stress_power(const PointState<V>& point, const Sym3<V>& rate) {
+  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) * point.ratio;
 }
 
 // Of a volume through a volumetric strain, taken at mid-step.
@@ -71,15 +67,17 @@ PM_HD Sym3<V> strained(const Sym3<V>& s, const VelocityGradient<V>& L, T shear_m
 // takes the volume along, and leaves an elastic trial deviator for the StressUpdate that follows.
 template <class V, class T>
 PM_HD void strain_elastically(const Material<T>& material, PointState<V>& point, const VelocityGradient<V>& L,
-                              V mass, T dt) {
-  const V ratio = point.volume / material.reference_volume(mass);
-  point.energy += dt * stress_power(point, L.strain_rate, ratio);
-  point.volume *= stretch(dt * trace(L.strain_rate));
+                              T dt) {
+  point.energy += dt * stress_power(point, L.strain_rate);
+  point.ratio *= stretch(dt * trace(L.strain_rate));
   const auto intact = point.damage < V(1);
   point.deviator = select(intact, strained(point.deviator, L, material.shear_modulus(), dt), point.deviator);
 }
 
-// For one point, or for a pack of points of one material.
+// The update of a pack of points of one material, in four stages: strain, return to the yield surface,
+// pressure, damage. The driver takes all points of a block through one stage before the next: a stage is
+// short enough to live in registers, and few points need the second and the last. Only `active` lanes are
+// tallied; `reference_volume` (m^3) is what turns work per volume into work.
 template <class V>
 struct StressUpdate {
   using T = number_t<V>;
@@ -90,53 +88,41 @@ struct StressUpdate {
   T step;                  // duration of the whole step, for plastic strain rates
   T old_share, new_share;  // weights of sigma_old : D and sigma_new : D in the energy paid here
 
-  // Advances the points by dt under the velocity gradient `L`. Returns their sound speed (m/s). Only `active`
-  // lanes are tallied.
-  PM_HD V operator()(PointState<V>& point, const VelocityGradient<V>& L, V mass, Mask active,
-                     Tally<V>& tally) const {
-    const V per_reference = V(1) / material.reference_volume(mass);
-    if (old_share > T(0))
-      point.energy += old_share * dt * stress_power(point, L.strain_rate, point.volume * per_reference);
-
+  // Half of the work, volume, elastic trial deviator. Returns which points may be beyond the yield surface.
+  PM_HD Mask strain(PointState<V>& point, const VelocityGradient<V>& L, Mask active, Tally<V>& tally) const {
+    if (old_share > T(0)) point.energy += old_share * dt * stress_power(point, L.strain_rate);
     const V rate = trace(L.strain_rate);
-    point.volume *= stretch(dt * rate);
+    point.ratio *= stretch(dt * rate);
     tally.volumetric_rate = select(active, max(tally.volumetric_rate, absolute(rate)), tally.volumetric_rate);
-
-    const V ratio = point.volume * per_reference;
-    const V plastic = update_deviator(point, L, active, tally);
-    const V c = update_pressure(point, L.strain_rate, ratio, active, tally);
-    if (any(V(0) < plastic)) update_damage(point, plastic, L.strain_rate, ratio, active, tally);
-    return c;
+    point.deviator = select(point.damage < V(1), strained(point.deviator, L, material.shear_modulus(), dt),
+                            Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
+    const V trial = effective(point.deviator);
+    return active && material.strength.visit([&](const auto& s)
+                                                 PM_INLINE { return s.may_yield(trial, point.temperature); });
   }
 
- private:
-  // Returns the effective plastic strain increment.
-  PM_HD V update_deviator(PointState<V>& point, const VelocityGradient<V>& L, Mask active,
-                          Tally<V>& tally) const {
-    const auto intact = point.damage < V(1);
-    const T g = material.shear_modulus();
-    point.deviator =
-        select(intact, strained(point.deviator, L, g, dt), Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
+  // Returns the increment of the effective plastic strain.
+  PM_HD V return_to_yield(PointState<V>& point, V reference_volume, Mask active, Tally<V>& tally) const {
     const V trial = effective(point.deviator);
     const auto back = material.strength.visit(
         [&](const auto& s) { return s.return_map(trial, point.plastic_strain, point.temperature, step); });
     const V increment = back.strain_increment;
     const auto yields = active && V(0) < increment;
     tally.count(Counter::return_failures, active && !back.converged);
-    if (!any(yields)) return V(0);
-    const V flow = trial - T(3) * g * increment;
+    const V flow = trial - T(3) * material.shear_modulus() * increment;
     point.deviator = select(yields, flow / select(yields, trial, V(1)), V(1)) * point.deviator;
     point.plastic_strain += increment;
-    const V work = flow * increment;  // per current volume
-    tally.plastic_work += select(yields, work * point.volume, V(0));
-    return increment;
+    tally.plastic_work += select(yields, flow * increment * (point.ratio * reference_volume), V(0));
+    return select(yields, increment, V(0));
   }
 
-  PM_HD V update_pressure(PointState<V>& point, const Sym3<V>& strain_rate, V ratio, Mask active,
-                          Tally<V>& tally) const {
-    const V compression = V(1) / ratio;
+  // Returns the square of the sound speed.
+  PM_HD V press(PointState<V>& point, const Sym3<V>& strain_rate, V reference_volume, Mask active,
+                Tally<V>& tally) const {
+    const V ratio = point.ratio, compression = V(1) / ratio;
     const V rate = trace(strain_rate), strain = dt * rate;
-    const auto isochore = material.eos.visit([&](const auto& e) { return e.at(compression - V(1)); });
+    const auto isochore =
+        material.eos.visit([&](const auto& e) PM_INLINE { return e.at(compression - V(1), ratio); });
     tally.count(Counter::eos_caps, active && isochore.capped);
     tally.compression = select(active, max(tally.compression, compression), tally.compression);
 
@@ -147,21 +133,22 @@ struct StressUpdate {
                       (material.q_quadratic * cell * closing + material.q_linear * root(bulk_c2));
 
     // E1 = E + w (s:D' - (p1+q) tr D) V/V0 dt with p1 = cold + thermal E1, solved together.
-    const V weight = new_share * ratio;
+    const V weight = new_share * ratio, work = weight * strain;
     const V known =
-        point.energy + weight * (dt * double_dot(point.deviator, strain_rate) - point.viscosity * strain);
-    const V p = (isochore.cold + isochore.thermal * known) / (V(1) + isochore.thermal * weight * strain);
+        point.energy + (weight * dt) * double_dot(point.deviator, strain_rate) - point.viscosity * work;
+    const V p = (isochore.cold + isochore.thermal * known) / (V(1) + isochore.thermal * work);
     const auto intact = point.damage < V(1);
     point.pressure = select(intact, p, max(p, V(0)));
-    point.energy = known - weight * point.pressure * strain;
-    tally.viscous_work -= select(active, point.viscosity * strain * point.volume, V(0));
+    point.energy = known - work * point.pressure;
+    tally.viscous_work -= select(active, point.viscosity * strain * ratio * reference_volume, V(0));
 
     const T shear = T(4.0 / 3.0) * material.shear_modulus() * material.specific_volume;
-    return root(bulk_c2 + select(intact, shear * ratio, V(0)));
+    return bulk_c2 + select(intact, shear * ratio, V(0));
   }
 
-  PM_HD void update_damage(PointState<V>& point, V plastic, const Sym3<V>& strain_rate, V ratio, Mask active,
-                           Tally<V>& tally) const {
+  // Damage and heat of a plastic increment. Points that fail lose their deviator and their tension.
+  PM_HD void damage(PointState<V>& point, V plastic, const Sym3<V>& strain_rate, Mask active,
+                    Tally<V>& tally) const {
     const auto yields = active && V(0) < plastic;
     const V flow = effective(point.deviator);
     const auto damage = material.failure.visit([&](const auto& f) {
@@ -173,7 +160,7 @@ struct StressUpdate {
 
     // Plastic work to heat: dT = chi sigma d eps / (rho C_p).
     const T heat = material.taylor_quinney * material.specific_volume / material.specific_heat;
-    point.temperature += select(yields, heat * flow * plastic * ratio, V(0));
+    point.temperature += select(yields, heat * flow * plastic * point.ratio, V(0));
     if (!may_fail) return;
     const auto melted = yields && V(material.t_melt) <= point.temperature;
     tally.count(Counter::melted_points, melted);
@@ -183,10 +170,10 @@ struct StressUpdate {
     tally.count(Counter::failed_points, failed);
     // The nodes will feel the failed stress, so that is what the energy is paid with.
     auto after = point;
-    after.energy -= new_share * dt * stress_power(after, strain_rate, ratio);
+    after.energy -= new_share * dt * stress_power(after, strain_rate);
     after.deviator = {V(0), V(0), V(0), V(0), V(0), V(0)};
     after.pressure = max(after.pressure, V(0));
-    after.energy += new_share * dt * stress_power(after, strain_rate, ratio);
+    after.energy += new_share * dt * stress_power(after, strain_rate);
     point = select(failed, after, point);
   }
 };

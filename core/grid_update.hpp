@@ -6,22 +6,20 @@ namespace pockmark {
 
 template <class T>
 struct NodeStep {
-  Vec3<T> velocity;
+  Quad<T> velocity;
   bool cut;
 };
 
 // m dv/dt = f - Z v, Z taken at mid-step: stable for any Z. A node lighter than `cutoff` takes the force of a
 // share m/cutoff of its points only: it holds a sliver of their mass but the whole of their stress.
 template <class T>
-PM_HD NodeStep<T> integrate_node(T mass, const Vec3<T>& v, const Vec3<T>& force, const Vec3<T>& damping, T dt,
+PM_HD NodeStep<T> integrate_node(const Quad<T>& before, const Quad<T>& force, const Quad<T>& damping, T dt,
                                  T cutoff) {
-  NodeStep<T> out{{}, mass < cutoff};
-  const T share = out.cut ? mass / cutoff : T(1);
-  for (int a = 0; a < 3; ++a) {
-    const T z = T(0.5) * dt * damping[a];
-    out.velocity[a] = ((mass - z) * v[a] + dt * share * force[a]) / (mass + z);
-  }
-  return out;
+  const T mass = before.v[3];
+  const bool cut = mass < cutoff;
+  const auto z = T(0.5) * dt * damping.v;
+  const auto push = (cut ? dt * mass / cutoff : dt) * force.v;
+  return {{((mass - z) * before.v + push) / (mass + z)}, cut};
 }
 
 // Energy (J) that the transmitting traction takes from the points: dt Z (v + v_after)/2 . (v + v_final)/2,

@@ -4,8 +4,12 @@
 // The laws are called once a point a step: always inlined, so that a point's state stays in registers.
 #ifdef __CUDACC__
 #define PM_HD __host__ __device__ __forceinline__
+#define PM_INLINE
+#define PM_NOINLINE __noinline__
 #else
 #define PM_HD inline __attribute__((always_inline))
+#define PM_INLINE __attribute__((always_inline))  // for the body of a loop that is written as a lambda
+#define PM_NOINLINE __attribute__((noinline))     // for what few points need
 #endif
 
 namespace pockmark {

@@ -26,6 +26,7 @@ struct Options {
   double pic_fraction;
   double mass_cutoff;  // in units of the lightest rho0 h^3
   bool lanes;          // SIMD: packs of points
+  bool sleep;          // tiles at rest are passed over
 };
 
 // Where the energy is (J).
@@ -55,7 +56,8 @@ class Solver {
     grid_.allocate(geometry);
     T lightest = std::numeric_limits<T>::max();
     for (const auto& m : materials_) {
-      impedance_.push_back({m.density() * m.dilatational_speed(), m.density() * m.shear_speed(), T(0)});
+      dampers_.push_back(
+          {m.density() * m.dilatational_speed(), m.density() * m.shear_speed(), m.specific_volume});
       lightest = std::min(lightest, m.density());
     }
     const T h = geometry.cell;
@@ -73,7 +75,14 @@ class Solver {
   std::int64_t cycle() const { return cycle_; }
 
   void initialize() {
-    with_kernels([&](auto kernels) { locate<decltype(kernels)>(true); });
+    struct {
+      std::size_t begin, end;
+    } const all{0, points_.size()};
+    live_ = points_.size();
+    with_kernels([&]<class K>(K) {
+      if (relocate<typename K::Shape, T>(points_, grid_.geometry, all).outside) account_for_departed(all);
+      sort<K>();
+    });
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const auto& m = materials_[points_.body[p]];
       const auto v = points_.vector(Field::velocity, p);
@@ -86,14 +95,14 @@ class Solver {
 
   std::int64_t advance(std::int64_t max_steps, double end_time) {
     const std::int64_t start = cycle_;
-    with_kernels([&](auto kernels) {
+    with_kernels([&]<class K>(K) {
       while (cycle_ - start < max_steps && time_ < end_time) {
-        if (points_.size() == 0) {
+        if (live_ == 0) {
           time_ = end_time;  // everything left: nothing more can happen
           break;
         }
         choose_step(end_time);
-        step<decltype(kernels)>();
+        step<K>();
       }
     });
     return cycle_ - start;
@@ -122,16 +131,27 @@ class Solver {
 
   Vec3<double> momentum() const {
     Vec3<double> sum;
-    for (std::size_t p = 0; p < points_.size(); ++p) {
+    for_each_point([&](std::size_t p) {
       const auto v = points_.vector(Field::velocity, p);
       const double m = points_.at(Field::mass)[p];
       sum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
-    }
+    });
     return sum;
   }
+  // f(p) for the points that have not left; those that have stay in memory until the next sort.
+  template <class F>
+  void for_each_point(F&& f) const {
+    for (std::size_t p = 0; p < points_.size(); ++p)
+      if (points_.cell[p] != gone) f(p);
+  }
+  double reference_volume(std::size_t p) const {
+    return double(points_.at(Field::mass)[p]) * double(materials_[points_.body[p]].specific_volume);
+  }
+  std::size_t live_points() const { return live_; }
 
  private:
-  static constexpr int steps_between_sorts = 8;
+  // What a run costs in a step, in points sorted.
+  static constexpr std::size_t points_per_run_cost = 3;
 
   // The shape functions, and what the kernels compute with: a number at a time, or a pack.
   template <class ShapeOf, class Values>
@@ -155,21 +175,23 @@ class Solver {
   void step() {
     const Scheme scheme = options_.scheme;
     timers_.time("clear", [&] { clear(); });
-    timers_.time("p2g", [&] { map_to_grid<K>(); });                                      // (1)
+    timers_.time("p2g", [&] { map_damping<K>(), map_to_grid<K>(); });                    // (1)
     timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before); });  // (2)
     const bool first = scheme == Scheme::usf || scheme == Scheme::usavg;
     timers_.time("stress", [&] { stress_and_forces<K>(first ? &grid_.before : nullptr, true); });  // (3, 4)
     timers_.time("momentum", [&] { integrate_momentum(); });                                       // (5)
-    const bool remaps = scheme == Scheme::musl || scheme == Scheme::usavg;
-    timers_.time("g2p", [&] { map_to_points<K>(remaps); });  // (6)
-    timers_.time("absorbed", [&] { account_for_absorbed(remaps ? grid_.remapped : grid_.after); });
+    timers_.time("g2p", [&] { map_to_points<K>(scheme == Scheme::usf); });                         // (6)
+    timers_.time("absorbed", [&] { account_for_absorbed(remaps() ? grid_.remapped : grid_.after); });
     if (!first)
-      timers_.time("stress", [&] { stress_and_forces<K>(remaps ? &grid_.remapped : &grid_.after, false); });
-    timers_.time("move", [&] { move<K>(); });
-    timers_.time("sort", [&] { locate<K>(cycle_ % steps_between_sorts == 0); });
+      timers_.time("stress", [&] { stress_and_forces<K>(remaps() ? &grid_.remapped : &grid_.after, false); });
+    if (scheme != Scheme::usf) timers_.time("move", [&] { move<K>(); });
+    timers_.time("sort", [&] { arrange<K>(); });
     time_ = next_time_;  // (7)
     ++cycle_;
   }
+
+  // Whether the scheme maps the new velocities of the points back to the grid.
+  bool remaps() const { return options_.scheme == Scheme::musl || options_.scheme == Scheme::usavg; }
 
   void choose_step(double end_time) {
     const double h = grid_.geometry.cell;
@@ -190,31 +212,50 @@ class Solver {
   }
 
   void clear() {
-    const std::int64_t n = std::int64_t(grid_.before.size());
-#pragma omp parallel for schedule(static) num_threads(threads_)
-    for (std::int64_t i = 0; i < n; ++i) {
-      grid_.before[i] = grid_.force[i] = grid_.damping[i] = grid_.remapped[i] = {};
-    }
+    const auto zero = [](std::vector<Quad<T>>& field, std::size_t begin, std::size_t end) {
+      std::fill(field.begin() + begin, field.begin() + end, Quad<T>{});
+    };
+    tiles_.for_each_line(grid_.geometry, threads_, true, [&](int, std::size_t begin, std::size_t end) {
+      zero(grid_.before, begin, end), zero(grid_.after, begin, end);
+      if (remaps()) zero(grid_.remapped, begin, end);
+    });
+    tiles_.forget_stale();
   }
 
   template <class K>
   void map_to_grid() {
-    tiles_.scatter(points_, grid_.geometry, threads_, [&](int, const Block& block) {
-      for_each_run(block, [&](const Run& run) {
-        cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, run, grid_.before);
-        add_damping<typename K::Shape>(points_, grid_, faces_, run, impedance_);
-      });
+    tiles_.scatter(threads_, [&](int, const Block& block) {
+      Columns<T, 3> places;
+      locate_in_cells<typename K::V>(points_, grid_.geometry, block, places);
+      cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block, places,
+                                                              grid_.before);
     });
     fold(grid_.geometry, faces_, grid_.before, Mirrored::vector);
-    fold(grid_.geometry, faces_, grid_.damping, Mirrored::magnitudes);
     momentum_to_velocity(grid_.before);
   }
 
+  // The areas of the transmitting faces change with the points behind them, that is, slowly: once a sort.
+  template <class K>
+  void map_damping() {
+    if (!refresh_damping_) return;
+    refresh_damping_ = false;
+    std::fill(grid_.damping.begin(), grid_.damping.end(), Quad<T>{});
+    tiles_.visit(1, [&](int, const Block& block) {
+      for_each_run(block, [&](const Run& run) {
+        add_damping<typename K::Shape>(points_, grid_, faces_, run, dampers_);
+      });
+    });
+    fold(grid_.geometry, faces_, grid_.damping, Mirrored::magnitudes);
+    damped_.clear();
+    for (std::size_t node = 0; node < grid_.damping.size(); ++node)
+      if (dot(grid_.damping[node].vector(), grid_.damping[node].vector()) > T(0)) damped_.push_back(node);
+  }
+
   void momentum_to_velocity(std::vector<Quad<T>>& field) {
-    const std::int64_t n = std::int64_t(field.size());
-#pragma omp parallel for schedule(static) num_threads(threads_)
-    for (std::int64_t i = 0; i < n; ++i)
-      if (field[i].v[3] > T(0)) field[i].set_vector((T(1) / field[i].v[3]) * field[i].vector());
+    tiles_.for_each_line(grid_.geometry, threads_, false, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        if (field[i].v[3] > T(0)) field[i].set_vector((T(1) / field[i].v[3]) * field[i].vector());
+    });
   }
 
   // Stress from a nodal velocity, if there is one, and the forces of the stress, if they are wanted: block by
@@ -226,75 +267,84 @@ class Solver {
     const bool average = options_.scheme == Scheme::usavg;
     const T old_share = T(average ? 0 : 0.5);
     const StressStep<T> step{T(average ? dt_ / 2 : dt_), T(dt_), old_share, T(1) - old_share};
-    std::vector<Audit> audits(tiles_.count());
+    audits_.resize(tiles_.count());
+    for (int tile = 0; tile < tiles_.count(); ++tile)
+      if (velocity && !tiles_.sleeps(tile)) audits_[tile] = {};
     const auto work = [&](int tile, const Block& block) {
-      if (velocity)
-        update_stress<typename K::Shape, typename K::V>(points_, grid_.geometry, materials_, block, *velocity,
-                                                        step, audits[tile]);
+      Columns<T, 3> places;
+      Columns<T, 6> push;
+      locate_in_cells<typename K::V>(points_, grid_.geometry, block, places);
+      if (velocity) {
+        Columns<T, 9> gradient;
+        gather_gradient<typename K::Shape, typename K::V>(grid_.geometry, block, places, *velocity, gradient);
+        update_stress<typename K::V>(points_, materials_, grid_.geometry.cell, block, gradient, step,
+                                     audits_[tile], push);
+      } else
+        push_of_stress<typename K::V>(points_, materials_, block, push);
       if (forces)
-        for_each_run(block, [&](const Run& run) {
-          cpu::scatter_force<typename K::Shape, typename K::V>(points_, grid_.geometry, run, grid_.force);
-        });
+        cpu::scatter_force<typename K::Shape, typename K::V>(grid_.geometry, block, places, push,
+                                                             grid_.after);
     };
-    forces ? tiles_.scatter(points_, grid_.geometry, threads_, work)
-           : tiles_.gather(points_, grid_.geometry, threads_, work);
-    if (forces) fold(grid_.geometry, faces_, grid_.force, Mirrored::vector);
+    forces ? tiles_.scatter(threads_, work) : tiles_.gather(threads_, work);
+    if (forces) fold(grid_.geometry, faces_, grid_.after, Mirrored::vector);
     if (!velocity) return;
     extremes_ = {};
-    for (const auto& a : audits) extremes_.absorb(a);
+    for (const auto& a : audits_) extremes_.absorb(a);
     audit_.absorb(extremes_);
   }
 
-  // f(node, sum) over the nodes of each plane; the sums of the planes are added in order.
-  template <class Sum, class F>
-  Sum sum_over_nodes(F&& f) {
-    const auto& g = grid_.geometry;
-    std::vector<Sum> sums(g.nodes(0));
-    const std::int64_t plane = std::int64_t(g.index(1, 0, 0));
-#pragma omp parallel for schedule(static) num_threads(threads_)
-    for (int i = 0; i < g.nodes(0); ++i)
-      for (std::int64_t node = i * plane; node < (i + 1) * plane; ++node) f(node, sums[i]);
-    return std::accumulate(sums.begin(), sums.end(), Sum{});
-  }
-
   void integrate_momentum() {
-    const auto cut = sum_over_nodes<std::int64_t>([&](std::int64_t node, std::int64_t& count) {
-      grid_.after[node] = {};
-      const T mass = grid_.mass(node);
-      if (!(mass > T(0))) return;
-      const auto step = integrate_node(mass, grid_.before[node].vector(), grid_.force[node].vector(),
-                                       grid_.damping[node].vector(), T(dt_), cutoff_);
-      grid_.after[node].set_vector(step.velocity);
-      count += step.cut;
+    const Quad<T> undamped{};
+    const auto integrate = [&](std::size_t node, const Quad<T>& damping) {
+      return integrate_node(grid_.before[node], grid_.after[node], damping, T(dt_), cutoff_);
+    };
+    // Few nodes are damped: they go first, as the force is overwritten by the velocity, and have the last
+    // word.
+    damped_after_.clear();
+    for (const std::size_t node : damped_)
+      damped_after_.push_back(integrate(node, grid_.damping[node]).velocity);
+    std::vector<std::int64_t> cut(tiles_.count());
+    tiles_.for_each_line(grid_.geometry, threads_, false, [&](int tile, std::size_t begin, std::size_t end) {
+      for (std::size_t node = begin; node < end; ++node) {
+        if (!(grid_.mass(node) > T(0))) continue;
+        const auto step = integrate(node, undamped);
+        grid_.after[node] = step.velocity;
+        cut[tile] += step.cut;
+      }
     });
-    audit_.counts[std::size_t(Counter::node_cutoffs)] += cut;
+    for (std::size_t i = 0; i < damped_.size(); ++i)
+      if (grid_.mass(damped_[i]) > T(0)) grid_.after[damped_[i]] = damped_after_[i];
+    audit_.counts[std::size_t(Counter::node_cutoffs)] +=
+        std::accumulate(cut.begin(), cut.end(), std::int64_t(0));
     constrain(grid_.geometry, faces_, grid_.after);
   }
 
   void account_for_absorbed(const std::vector<Quad<T>>& final) {
-    absorbed_ += sum_over_nodes<double>([&](std::int64_t node, double& sum) {
-      if (!(grid_.mass(node) > T(0))) return;
-      sum += double(absorbed_energy(grid_.before[node].vector(), grid_.after[node].vector(),
-                                    final[node].vector(), grid_.damping[node].vector(), T(dt_)));
-    });
+    for (const std::size_t node : damped_)
+      if (grid_.mass(node) > T(0))
+        absorbed_ += double(absorbed_energy(grid_.before[node].vector(), grid_.after[node].vector(),
+                                            final[node].vector(), grid_.damping[node].vector(), T(dt_)));
   }
 
+  // Velocities; positions too where nothing between the two needs the old ones: one pass does the work of
+  // two.
   template <class K>
-  void map_to_points(bool remaps) {
+  void map_to_points(bool moves) {
     std::vector<double> taken(tiles_.count());
+    relocated_.assign(tiles_.count(), {});
     const auto work = [&](int tile, const Block& block) {
-      taken[tile] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
+      Columns<T, 3> places;
+      locate_in_cells<typename K::V>(points_, grid_.geometry, block, places);
+      taken[tile] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block, places,
                                                                          T(options_.pic_fraction));
-      if (remaps)
-        for_each_run(block, [&](const Run& run) {
-          cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, run,
-                                                                  grid_.remapped);
-        });
+      if (remaps())
+        cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block, places,
+                                                                grid_.remapped);
+      if (moves) move_block<K>(tile, block, places);
     };
-    remaps ? tiles_.scatter(points_, grid_.geometry, threads_, work)
-           : tiles_.gather(points_, grid_.geometry, threads_, work);
+    remaps() ? tiles_.scatter(threads_, work) : tiles_.gather(threads_, work);
     for (double t : taken) pic_energy_ += t;
-    if (!remaps) return;
+    if (!remaps()) return;
     fold(grid_.geometry, faces_, grid_.remapped, Mirrored::vector);
     momentum_to_velocity(grid_.remapped);
     constrain(grid_.geometry, faces_, grid_.remapped);
@@ -302,51 +352,82 @@ class Solver {
 
   template <class K>
   void move() {
-    const auto* remapped = options_.scheme == Scheme::usavg ? &grid_.remapped : nullptr;
-    tiles_.gather(points_, grid_.geometry, threads_, [&](int, const Block& block) {
-      pockmark::move<typename K::Shape, typename K::V>(points_, grid_, materials_, block, remapped, T(dt_));
+    tiles_.gather(threads_, [&](int tile, const Block& block) {
+      Columns<T, 3> places;
+      locate_in_cells<typename K::V>(points_, grid_.geometry, block, places);
+      if (options_.scheme == Scheme::usavg) {
+        Columns<T, 9> gradient;
+        gather_gradient<typename K::Shape, typename K::V>(grid_.geometry, block, places, grid_.remapped,
+                                                          gradient);
+        strain_points<typename K::V>(points_, materials_, block, gradient, T(0.5) * T(dt_));
+      }
+      move_block<K>(tile, block, places);
     });
   }
-
-  // The points' cells. They are sorted by cell now and then only: the kernels need each point near its tile,
-  // and like neighbours in memory, no more.
   template <class K>
-  void locate(bool sort_now) {
-    const std::int64_t n = std::int64_t(points_.size());
-    bool any_outside = false;
-#pragma omp parallel for schedule(static) num_threads(threads_) reduction(|| : any_outside)
-    for (std::int64_t p = 0; p < n; ++p) {
-      const auto x = points_.vector(Field::position, p);
-      const bool inside = face_crossed(x) < 0;
-      points_.cell[p] = inside ? std::uint32_t(base_node<K>(x)) : cpu::gone;
-      any_outside = any_outside || !inside;
-    }
-    if (any_outside) account_for_departed();
-    if (!sort_now && !any_outside && tiles_.hold(points_, grid_.geometry, threads_)) return;
+  void move_block(int tile, const Block& block, const Columns<T, 3>& places) {
+    move_points<typename K::Shape, typename K::V>(points_, grid_, block, places, T(dt_));
+    relocated_[tile].absorb(relocate<typename K::Shape, typename K::V>(points_, grid_.geometry, block));
+  }
+
+  // Blocks and runs for the next step. Points are sorted by cell again when that pays: once the runs that
+  // disorder has added since, step by step, have cost as much; and when one has strayed too far from its
+  // tile.
+  template <class K>
+  void arrange() {
+    for (int tile = 0; tile < tiles_.count(); ++tile)
+      if (relocated_[tile].outside)
+        tiles_.for_each_block(tile, [&](int, const Block& block) { account_for_departed(block); });
+    split<K>([&](int tile) { return relocated_[tile].changed; });
+    disorder_ += tiles_.run_count() - sorted_runs_;
+    if (points_per_run_cost * disorder_ > points_.size() || !tiles_.hold()) sort<K>();
+    if (options_.sleep && cutoff_ == T(0))
+      tiles_.send_to_sleep(cycle_ == 0, [&](int tile) { return rests(tile); });
+  }
+  template <class K, class F>
+  void split(F&& changed) {
+    tiles_.split(points_, grid_.geometry, K::Shape::support, threads_, changed);
+  }
+
+  // Whether a step without motion would leave the points of a tile as they are.
+  bool rests(int tile) const {
+    bool all = true;
+    tiles_.for_each_block(tile, [&](int, const Block& block) {
+      for (std::size_t p = block.begin; all && p < block.end; ++p) {
+        const auto point = points_.state(p);
+        const auto v = points_.vector(Field::velocity, p);
+        all = v.x == T(0) && v.y == T(0) && v.z == T(0) && effective(point.deviator) == T(0) &&
+              point.ratio == T(1) && point.energy == T(0) && point.pressure == T(0) &&
+              point.viscosity == T(0);
+      }
+    });
+    return all;
+  }
+
+  template <class K>
+  void sort() {
     sorter_(points_, grid_.geometry.node_count(), threads_);
     tiles_.locate(points_, grid_.geometry);
+    split<K>([](int) { return true; });
+    sorted_runs_ = tiles_.run_count(), disorder_ = 0;
+    refresh_damping_ = true;
   }
 
-  template <class K>
-  std::size_t base_node(const Vec3<T>& x) const {
-    const auto& g = grid_.geometry;
-    return g.index(K::Shape::base(g.local(x.x, 0)), K::Shape::base(g.local(x.y, 1)),
-                   K::Shape::base(g.local(x.z, 2)));
-  }
-
-  // The face behind which a point lies, or -1. Not-a-number counts as outside.
+  // The face behind which a point lies. Not-a-number counts as outside.
   int face_crossed(const Vec3<T>& x) const {
     const auto& g = grid_.geometry;
     for (int a = 0; a < 3; ++a) {
-      if (!(x[a] >= g.lower[a])) return 2 * a;
-      if (!(x[a] < g.upper(a))) return 2 * a + 1;
+      const T xi = g.local(x[a], a);
+      if (!(xi >= T(g.pad))) return 2 * a;
+      if (!(xi < T(g.pad + g.cells[a]))) return 2 * a + 1;
     }
     return -1;
   }
 
-  void account_for_departed() {
-    for (std::size_t p = 0; p < points_.size(); ++p) {
-      if (points_.cell[p] != cpu::gone) continue;
+  template <class Range>
+  void account_for_departed(const Range& range) {
+    for (std::size_t p = range.begin; p < range.end; ++p) {
+      if (points_.cell[p] != gone) continue;
       const auto v = points_.vector(Field::velocity, p);
       const double m = points_.at(Field::mass)[p];
       if (!std::isfinite(dot(v, v))) throw std::runtime_error("a point's velocity is no longer a number");
@@ -357,18 +438,18 @@ class Solver {
       const Face face = faces_[face_crossed(points_.vector(Field::position, p))];
       const bool expected = face == Face::free || face == Face::transmitting;
       audit_.count(expected ? Counter::left_points : Counter::lost_points);
+      --live_;
     }
   }
 
   double internal_energy(std::size_t p) const {
-    return double(points_.at(Field::energy)[p]) * points_.at(Field::mass)[p] /
-           materials_[points_.body[p]].density();
+    return double(points_.at(Field::energy)[p]) * reference_volume(p);
   }
 
   Ledger energies() const {
     std::vector<Ledger> parts(tiles_.count());
-    tiles_.points(threads_, [&](int tile, std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p) {
+    tiles_.visit(threads_, [&](int tile, const Block& block) {
+      for (std::size_t p = block.begin; p < block.end; ++p) {
         const auto v = points_.vector(Field::velocity, p);
         parts[tile].kinetic += 0.5 * double(points_.at(Field::mass)[p]) * double(dot(v, v));
         parts[tile].internal += internal_energy(p);
@@ -381,7 +462,7 @@ class Solver {
 
   Faces faces_;
   std::vector<Material<T>> materials_;
-  std::vector<Vec3<T>> impedance_;  // rho c_d, rho c_s of each body
+  std::vector<Damper<T>> dampers_;  // of each body
   Options options_;
   int threads_;
   T cutoff_;  // kg
@@ -390,6 +471,12 @@ class Solver {
   cpu::Tiles tiles_;
   cpu::Sorter<T> sorter_;
   Timers timers_;
+  std::vector<Audit> audits_;         // of each tile in the last stress update
+  std::vector<Relocated> relocated_;  // of each tile in the last move
+  std::vector<std::size_t> damped_;   // nodes of transmitting faces
+  std::vector<Quad<T>> damped_after_;
+  std::size_t live_ = 0, sorted_runs_ = 0, disorder_ = 0;
+  bool refresh_damping_ = true;
   Audit audit_;     // of the whole run
   Audit extremes_;  // of the last stress update
   Departed departed_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <new>
 #include <vector>
 
 #include "fields.hpp"
@@ -13,12 +14,13 @@ namespace pockmark {
 // One material point as the constitutive update sees it.
 template <class V>
 struct PointState {
-  V volume, energy, pressure, viscosity, plastic_strain, temperature, damage;
+  V ratio;  // V/V0 = rho0/rho
+  V energy, pressure, viscosity, plastic_strain, temperature, damage;
   Sym3<V> deviator;
 };
 template <class M, class V>
 PM_HD PointState<V> select(M m, const PointState<V>& a, const PointState<V>& b) {
-  return {select(m, a.volume, b.volume),
+  return {select(m, a.ratio, b.ratio),
           select(m, a.energy, b.energy),
           select(m, a.pressure, b.pressure),
           select(m, a.viscosity, b.viscosity),
@@ -28,10 +30,28 @@ PM_HD PointState<V> select(M m, const PointState<V>& a, const PointState<V>& b) 
           select(m, a.deviator, b.deviator)};
 }
 
+// Arrays on cache lines of their own: a pack that starts at a multiple of its width never straddles two.
+template <class T>
+struct AlignedAllocator {
+  using value_type = T;
+  static constexpr std::align_val_t line{64};
+  AlignedAllocator() = default;
+  template <class U>
+  AlignedAllocator(const AlignedAllocator<U>&) {}
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), line)); }
+  void deallocate(T* at, std::size_t) { ::operator delete(at, line); }
+  friend bool operator==(const AlignedAllocator&, const AlignedAllocator&) { return true; }
+};
+template <class T>
+using Array = std::vector<T, AlignedAllocator<T>>;
+
+// The cell of a point that has left the grid.
+inline constexpr std::uint32_t gone = UINT32_MAX;
+
 // Structure of arrays, one array a component, in the order of the background grid's cells.
 template <class T>
 struct Particles {
-  std::array<std::vector<T>, component_count> components;
+  std::array<Array<T>, component_count> components;
   std::vector<std::uint8_t> body;
   std::vector<std::uint32_t> id;    // order in which the points were added
   std::vector<std::uint32_t> cell;  // first node of the point's stencil
@@ -50,6 +70,12 @@ struct Particles {
     cell.resize(count);
   }
 
+  // Asks the cache for the fields of the points from p on: their streams are too many for the processor to
+  // foresee.
+  PM_HD void prefetch(std::size_t p) const {
+#pragma GCC unroll 32
+    for (const auto& c : components) __builtin_prefetch(c.data() + p, 1, 2);
+  }
   // Of point p, or of the n points from p on in the lanes of V.
   template <class V = T>
   PM_HD V load(Field field, std::size_t p, int n = Pack<V>::width, int component = 0) const {
@@ -70,18 +96,33 @@ struct Particles {
   }
   template <class V = T>
   PM_HD PointState<V> state(std::size_t p, int n = Pack<V>::width) const {
-    return {load<V>(Field::volume, p, n),         load<V>(Field::energy, p, n),
+    return {load<V>(Field::ratio, p, n),          load<V>(Field::energy, p, n),
             load<V>(Field::pressure, p, n),       load<V>(Field::viscosity, p, n),
             load<V>(Field::plastic_strain, p, n), load<V>(Field::temperature, p, n),
             load<V>(Field::damage, p, n),         deviator<V>(p, n)};
   }
-  // What a strain under a given stress changes.
+  // What each stage of an update changes.
   template <class V>
-  PM_HD void store_strained(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
-    Pack<V>::store(at(Field::volume) + p, s.volume, n);
-    Pack<V>::store(at(Field::energy) + p, s.energy, n);
+  PM_HD void store_deviator(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
     const V d[6] = {s.deviator.xx, s.deviator.yy, s.deviator.zz, s.deviator.xy, s.deviator.yz, s.deviator.zx};
     for (int c = 0; c < 6; ++c) Pack<V>::store(at(Field::deviator, c) + p, d[c], n);
+  }
+  template <class V>
+  PM_HD void store_strained(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
+    Pack<V>::store(at(Field::ratio) + p, s.ratio, n);
+    Pack<V>::store(at(Field::energy) + p, s.energy, n);
+    store_deviator(p, s, n);
+  }
+  template <class V>
+  PM_HD void store_returned(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
+    store_deviator(p, s, n);
+    Pack<V>::store(at(Field::plastic_strain) + p, s.plastic_strain, n);
+  }
+  template <class V>
+  PM_HD void store_pressed(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
+    Pack<V>::store(at(Field::energy) + p, s.energy, n);
+    Pack<V>::store(at(Field::pressure) + p, s.pressure, n);
+    Pack<V>::store(at(Field::viscosity) + p, s.viscosity, n);
   }
   template <class V>
   PM_HD void store(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
@@ -91,14 +132,6 @@ struct Particles {
     Pack<V>::store(at(Field::plastic_strain) + p, s.plastic_strain, n);
     Pack<V>::store(at(Field::temperature) + p, s.temperature, n);
     Pack<V>::store(at(Field::damage) + p, s.damage, n);
-  }
-  // Cauchy stress with the bulk viscosity: what the nodes feel.
-  template <class V = T>
-  PM_HD Sym3<V> stress(std::size_t p, int n = Pack<V>::width) const {
-    Sym3<V> s = deviator<V>(p, n);
-    const V mean = load<V>(Field::pressure, p, n) + load<V>(Field::viscosity, p, n);
-    s.xx -= mean, s.yy -= mean, s.zz -= mean;
-    return s;
   }
 };
 
@@ -142,15 +175,14 @@ template <class T>
 struct Grid {
   GridGeometry<T> geometry;
   std::vector<Quad<T>> before;    // momentum, then velocity, before the forces act; mass
-  std::vector<Quad<T>> force;     // internal force
+  std::vector<Quad<T>> after;     // internal force, then velocity after it acted
   std::vector<Quad<T>> damping;   // transmitting faces: sum of rho c A, an entry a direction (kg/s)
-  std::vector<Quad<T>> after;     // velocity after the forces acted
   std::vector<Quad<T>> remapped;  // the points' new velocity mapped back (MUSL, USAVG)
 
   T mass(std::size_t node) const { return before[node].v[3]; }
   void allocate(const GridGeometry<T>& g) {
     geometry = g;
-    for (auto* field : {&before, &force, &damping, &after, &remapped}) field->assign(g.node_count(), {});
+    for (auto* field : {&before, &after, &damping, &remapped}) field->assign(g.node_count(), {});
   }
 };
 

@@ -9,31 +9,18 @@ namespace pockmark {
 
 // Consecutive points of a block whose stencil starts at the same node.
 struct Run {
-  std::size_t begin, end;
-  std::size_t node;
+  std::uint32_t begin, end;
+  std::uint32_t node;
   int base[3];
 };
 
 // Consecutive points; few enough that what one kernel leaves of them is still in the cache for the next.
 struct Block {
-  static constexpr std::size_t most = 256;
+  static constexpr std::size_t most = 128;
   std::size_t begin, end;
-  int run_count = 0;
-  Run runs[most];
-
-  template <class T>
-  Block(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t begin_, std::size_t end_)
-      : begin(begin_), end(end_) {
-    for (std::size_t p = begin; p < end;) {
-      Run& run = runs[run_count++];
-      run.begin = p;
-      run.node = points.cell[p];
-      grid.split(run.node, run.base);
-      while (++p < end && points.cell[p] == run.node) {
-      }
-      run.end = p;
-    }
-  }
+  bool one_body;
+  int run_count;
+  const Run* runs;
 };
 
 template <class F>
@@ -46,8 +33,9 @@ template <class V, class Range, class F>
 PM_HD void for_each_pack(const Range& range, F&& f) {
   constexpr std::size_t width = Pack<V>::width;
   std::size_t p = range.begin;
-  for (; p + width <= range.end; p += width) f(p, int(width));
-  if (p < range.end) f(p, int(range.end - p));
+  const std::size_t end = range.end;
+  for (; p + width <= end; p += width) f(p, int(width));
+  if (p < end) f(p, int(end - p));
 }
 
 // A column of numbers of the points of a block. Packs may write past their points' end: what follows is
@@ -56,11 +44,34 @@ template <class T>
 struct Column {
   alignas(64) T at[Block::most + 16];
 };
+template <class T, int count>
+struct Columns {
+  Column<T> column[count];
 
-template <class Shape, class T>
-PM_HD Stencil<Shape, T> stencil_of(const Particles<T>& points, const GridGeometry<T>& grid, std::size_t p,
-                                   const Run& run) {
-  return {grid, points.vector(Field::position, p), run.base};
+  template <class V = T>
+  PM_HD V load(int c, std::size_t i) const {
+    return Pack<V>::load(column[c].at + i);
+  }
+  template <class V>
+  PM_HD void store(int c, std::size_t i, V v, int n = Pack<V>::width) {
+    Pack<V>::store(column[c].at + i, v, n);
+  }
+  template <class V = T>
+  PM_HD Vec3<V> vector(std::size_t i) const {
+    return {load<V>(0, i), load<V>(1, i), load<V>(2, i)};
+  }
+};
+
+// Where the points of a block lie: in cells from the first node of their stencils.
+template <class V, class T>
+void locate_in_cells(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
+                     Columns<T, 3>& places) {
+  for_each_run(block, [&](const Run& run) {
+    for_each_pack<V>(run, [&](std::size_t p, int n) PM_INLINE {
+      const auto x = points.template vector<V>(Field::position, p, n);
+      for (int a = 0; a < 3; ++a) places.store(a, p - block.begin, grid.local(x[a], a) - V(T(run.base[a])));
+    });
+  });
 }
 
 // The S^3 values of a nodal field under a stencil.
@@ -88,15 +99,15 @@ struct Patch {
   }
 };
 
-// A nodal vector field as a function of position within one stencil.
+// A nodal vector field as a function of the place within one stencil.
 template <class Shape, class T>
 class Interpolant {
  public:
   PM_HD explicit Interpolant(const Patch<Shape, T>& patch) : nodes_(patch) {}
 
   template <class V>
-  PM_HD Vec3<V> value(const GridGeometry<T>& grid, const Vec3<V>& x, const int (&base)[3]) const {
-    const Stencil<Shape, V> n(grid, x, base);
+  PM_HD Vec3<V> value(const Vec3<V>& f) const {
+    const Stencil<Shape, V> n(f, T(1));
     Vec3<V> sum{V(0), V(0), V(0)};
     nodes_.for_each([&](int i, int j, int k) {
       const V w = n.weight(i, j, k);
@@ -106,10 +117,9 @@ class Interpolant {
   }
   // derivative[c][a] = d v_c / d x_a (Eq. 13), summed axis by axis.
   template <class V>
-  PM_HD void gradient(const GridGeometry<T>& grid, const Vec3<V>& x, const int (&base)[3],
-                      V (&derivative)[3][3]) const {
+  PM_HD void gradient(const Vec3<V>& f, T per_metre, V (&derivative)[3][3]) const {
     constexpr int S = Shape::support;
-    const Stencil<Shape, V> n(grid, x, base);
+    const Stencil<Shape, V> n(f, per_metre);
     for (int c = 0; c < 3; ++c) {
       V dx = V(0), dy = V(0), dz = V(0);
       for (int i = 0; i < S; ++i) {
@@ -147,8 +157,7 @@ class Interpolant<Linear<T>, T> {
   }
 
   template <class V>
-  PM_HD Vec3<V> value(const GridGeometry<T>& grid, const Vec3<V>& position, const int (&base)[3]) const {
-    const auto f = fraction(grid, position, base);
+  PM_HD Vec3<V> value(const Vec3<V>& f) const {
     Vec3<V> out;
     for (int c = 0; c < 3; ++c)
       out[c] = (one_.v[c] + f.z * z_.v[c]) + f.y * (y_.v[c] + f.z * yz_.v[c]) +
@@ -156,10 +165,7 @@ class Interpolant<Linear<T>, T> {
     return out;
   }
   template <class V>
-  PM_HD void gradient(const GridGeometry<T>& grid, const Vec3<V>& position, const int (&base)[3],
-                      V (&derivative)[3][3]) const {
-    const auto f = fraction(grid, position, base);
-    const V per_metre = V(grid.per_metre);
+  PM_HD void gradient(const Vec3<V>& f, T per_metre, V (&derivative)[3][3]) const {
     for (int c = 0; c < 3; ++c) {
       const V yz = yz_.v[c] + f.x * xyz_.v[c];
       derivative[c][0] = per_metre * ((x_.v[c] + f.z * zx_.v[c]) + f.y * (xy_.v[c] + f.z * xyz_.v[c]));
@@ -169,83 +175,57 @@ class Interpolant<Linear<T>, T> {
   }
 
  private:
-  template <class V>
-  PM_HD static Vec3<V> fraction(const GridGeometry<T>& grid, const Vec3<V>& x, const int (&base)[3]) {
-    return {grid.local(x.x, 0) - T(base[0]), grid.local(x.y, 1) - T(base[1]),
-            grid.local(x.z, 2) - T(base[2])};
-  }
-
   Quad<T> one_, x_, y_, z_, xy_, yz_, zx_, xyz_;
 };
 
-// The nodal velocity's rate of strain and spin at the points of a block.
-template <class T>
-struct Gradients {
-  Column<T> derivative[3][3];
-
-  template <class Shape, class V>
-  PM_HD void gather(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                    const std::vector<Quad<T>>& nodes) {
-    for_each_run(block, [&](const Run& run) {
-      Patch<Shape, T> patch;
-      patch.load(grid, run, nodes);
-      const Interpolant<Shape, T> velocity(patch);
-      for_each_pack<V>(run, [&](std::size_t p, int n) {
-        V d[3][3];
-        velocity.gradient(grid, points.template vector<V>(Field::position, p, n), run.base, d);
-        for (int c = 0; c < 3; ++c)
-          for (int a = 0; a < 3; ++a) Pack<V>::store(derivative[c][a].at + (p - block.begin), d[c][a]);
-      });
+// The gradient of a nodal velocity at the points of a block, d v_c / d x_a in column 3 c + a.
+template <class Shape, class V, class T>
+void gather_gradient(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
+                     const std::vector<Quad<T>>& nodes, Columns<T, 9>& out) {
+  for_each_run(block, [&](const Run& run) {
+    Patch<Shape, T> patch;
+    patch.load(grid, run, nodes);
+    const Interpolant<Shape, T> velocity(patch);
+    for_each_pack<V>(run, [&](std::size_t p, int) PM_INLINE {
+      const std::size_t i = p - block.begin;
+      V d[3][3];
+      velocity.gradient(places.template vector<V>(i), grid.per_metre, d);
+      for (int c = 0; c < 3; ++c)
+        for (int a = 0; a < 3; ++a) out.store(3 * c + a, i, d[c][a]);
     });
-  }
-  // Of the pack that starts with the block's point i.
-  template <class V>
-  PM_HD VelocityGradient<V> at(std::size_t i) const {
-    const auto l = [&](int c, int a) { return Pack<V>::load(derivative[c][a].at + i); };
-    const V half = V(0.5);
-    const V xy = l(0, 1), yx = l(1, 0), yz = l(1, 2), zy = l(2, 1), zx = l(2, 0), xz = l(0, 2);
-    return {{l(0, 0), l(1, 1), l(2, 2), half * (xy + yx), half * (yz + zy), half * (zx + xz)},
-            {half * (zy - yz), half * (xz - zx), half * (yx - xy)}};
-  }
-};
+  });
+}
+// Its rate of strain and spin at the pack that starts with the block's point i.
+template <class V, class T>
+PM_HD VelocityGradient<V> velocity_gradient(const Columns<T, 9>& gradient, std::size_t i) {
+  const auto l = [&](int c, int a) { return gradient.template load<V>(3 * c + a, i); };
+  const V half = V(T(0.5));
+  const V xy = l(0, 1), yx = l(1, 0), yz = l(1, 2), zy = l(2, 1), zx = l(2, 0), xz = l(0, 2);
+  return {{l(0, 0), l(1, 1), l(2, 2), half * (xy + yx), half * (yz + zy), half * (zx + xz)},
+          {half * (zy - yz), half * (xz - zx), half * (yx - xy)}};
+}
 
-// Nodal values at the points of a block.
-template <class T>
-struct Values {
-  Column<T> component[3];
-
-  template <class Shape, class V>
-  PM_HD void gather(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                    const std::vector<Quad<T>>& nodes, const std::vector<Quad<T>>* minus = nullptr) {
-    for_each_run(block, [&](const Run& run) {
-      Patch<Shape, T> patch;
-      patch.load(grid, run, nodes);
-      if (minus) {
-        Patch<Shape, T> other;
-        other.load(grid, run, *minus);
-        patch.subtract(other);
-      }
-      const Interpolant<Shape, T> field(patch);
-      for_each_pack<V>(run, [&](std::size_t p, int n) {
-        const auto v = field.value(grid, points.template vector<V>(Field::position, p, n), run.base);
-        for (int c = 0; c < 3; ++c) Pack<V>::store(component[c].at + (p - block.begin), v[c]);
-      });
+// A nodal vector field at the points of a block; load(patch, run) fetches the nodes of a run.
+template <class Shape, class V, class T, class Load>
+void gather_values(const Block& block, const Columns<T, 3>& places, Columns<T, 3>& out, Load&& load) {
+  for_each_run(block, [&](const Run& run) {
+    Patch<Shape, T> patch;
+    load(patch, run);
+    const Interpolant<Shape, T> field(patch);
+    for_each_pack<V>(run, [&](std::size_t p, int) PM_INLINE {
+      const auto v = field.value(places.template vector<V>(p - block.begin));
+      for (int c = 0; c < 3; ++c) out.store(c, p - block.begin, v[c]);
     });
-  }
-  template <class V>
-  PM_HD Vec3<V> at(std::size_t i) const {
-    const auto v = [&](int c) { return Pack<V>::load(component[c].at + i); };
-    return {v(0), v(1), v(2)};
-  }
-};
+  });
+}
 
 // Momentum and mass of the points.
 template <class Shape, class T>
-void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                  std::vector<Quad<T>>& nodes) {
+void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
+                  const Columns<T, 3>& places, const Run& run, std::vector<Quad<T>>& nodes) {
   Patch<Shape, T> patch;
   for (std::size_t p = run.begin; p < run.end; ++p) {
-    const auto n = stencil_of<Shape>(points, grid, p, run);
+    const Stencil<Shape, T> n(places.vector(p - block.begin), grid.per_metre);
     const T m = points.at(Field::mass)[p];
     const auto v = points.vector(Field::velocity, p);
     const Quad<T> carried{{m * v.x, m * v.y, m * v.z, m}};
@@ -259,16 +239,27 @@ void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const
   patch.add_to(grid, run, nodes);
 }
 
+// What the points of a block push their nodes with: -V sigma (J), its six components in their columns.
+template <class V, class T>
+PM_HD void store_push(Columns<T, 6>& push, std::size_t i, const PointState<V>& point, V reference_volume,
+                      int n) {
+  const V volume = -(point.ratio * reference_volume), mean = point.pressure + point.viscosity;
+  const auto& s = point.deviator;
+  const V stress[6] = {s.xx - mean, s.yy - mean, s.zz - mean, s.xy, s.yz, s.zx};
+  for (int c = 0; c < 6; ++c) push.store(c, i, volume * stress[c], n);
+}
+
 // f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
 template <class Shape, class T>
-void add_internal_force(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                        std::vector<Quad<T>>& nodes) {
+void add_internal_force(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
+                        const Columns<T, 6>& push, const Run& run, std::vector<Quad<T>>& nodes) {
   Patch<Shape, T> force;
   for (std::size_t p = run.begin; p < run.end; ++p) {
-    const auto n = stencil_of<Shape>(points, grid, p, run);
-    const auto s = -points.at(Field::volume)[p] * points.stress(p);
+    const std::size_t at = p - block.begin;
+    const Stencil<Shape, T> n(places.vector(at), grid.per_metre);
+    const auto s = [&](int c) { return push.load(c, at); };
     const Quad<T> column[3] = {
-        {{s.xx, s.xy, s.zx, T(0)}}, {{s.xy, s.yy, s.yz, T(0)}}, {{s.zx, s.yz, s.zz, T(0)}}};
+        {{s(0), s(3), s(5), T(0)}}, {{s(3), s(1), s(4), T(0)}}, {{s(5), s(4), s(2), T(0)}}};
     for (int i = 0; i < Shape::support; ++i)
       for (int j = 0; j < Shape::support; ++j) {
         Quad<T> across, along;  // shares of the line of nodes (i, j)

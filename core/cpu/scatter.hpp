@@ -13,9 +13,14 @@ struct Eight {
   static constexpr int bytes = 8 * sizeof(T) < lane_bytes ? int(8 * sizeof(T)) : lane_bytes;
   static constexpr int parts = int(8 * sizeof(T)) / bytes;
   struct Vector {
+    using Whole = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
     typedef T type __attribute__((vector_size(bytes)));
+    typedef Whole bits __attribute__((vector_size(bytes)));
+    typedef T in_memory __attribute__((vector_size(bytes), aligned(alignof(T))));
   };
   using Part = typename Vector::type;
+  using Bits = typename Vector::bits;
+  using InMemory = typename Vector::in_memory;
   Part part[parts]{};
 
   PM_HD friend Eight operator*(const Eight& a, const Eight& b) {
@@ -37,7 +42,8 @@ struct Eight {
   }
 };
 
-// The two linear functions of one axis at the eight nodes: start + sign f.
+// The two linear functions of one axis at the eight nodes: 1 - f or f. An exclusive or and a sum leave the
+// units that multiply to the rest of the work.
 template <class T>
 struct AxisWeights {
   static constexpr T near[3][8]{{1, 1, 1, 1, 0, 0, 0, 0}, {1, 1, 0, 0, 1, 1, 0, 0}, {1, 0, 1, 0, 1, 0, 1, 0}};
@@ -50,102 +56,117 @@ struct AxisWeights {
     std::memcpy(sign.part, signs[axis], sizeof(sign));
   }
   PM_HD Eight<T> operator()(T f) const {
-    auto out = start;
-    out.add_scaled(f, sign);
+    using E = Eight<T>;
+    constexpr auto sign_bit = T(-0.0);
+    E out;
+    for (int i = 0; i < E::parts; ++i) {
+      const auto minus = (typename E::Bits)sign.part[i] & (typename E::Bits)(sign_bit - typename E::Part{});
+      out.part[i] = start.part[i] + (typename E::Part)((typename E::Bits)(f - typename E::Part{}) ^ minus);
+    }
     return out;
   }
 };
 
-// nodes of the cell += the sums, four numbers a node.
+#define PM_PICK(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
+
+// Four components of eight numbers (two registers of four nodes on AVX2) as the nodes hold them: four
+// components a node.
 template <class T>
 PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run, const Eight<T> (&sum)[4],
                         std::vector<Quad<T>>& nodes) {
-  alignas(64) T at[4][8];
-  for (int c = 0; c < 4; ++c) std::memcpy(at[c], sum[c].part, sizeof(at[c]));
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j) {
-      Quad<T>* node = nodes.data() + run.node + grid.index(i, j, 0);
-      for (int k = 0; k < 2; ++k) {
-        const int l = 4 * i + 2 * j + k;
-        node[k] += Quad<T>{{at[0][l], at[1][l], at[2][l], at[3][l]}};
-      }
+  Quad<T>* const first = nodes.data() + run.node;
+  for (int i = 0; i < 2; ++i) {
+    Quad<T>* at[2] = {first + grid.index(i, 0, 0), first + grid.index(i, 1, 0)};
+    if constexpr (Eight<T>::parts == 2) {
+      const auto a = sum[0].part[i], b = sum[1].part[i], c = sum[2].part[i], d = sum[3].part[i];
+      const auto ab0 = PM_PICK(a, b, 0, 4, 2, 6), ab1 = PM_PICK(a, b, 1, 5, 3, 7);
+      const auto cd0 = PM_PICK(c, d, 0, 4, 2, 6), cd1 = PM_PICK(c, d, 1, 5, 3, 7);
+      at[0][0].v += PM_PICK(ab0, cd0, 0, 1, 4, 5), at[0][1].v += PM_PICK(ab1, cd1, 0, 1, 4, 5);
+      at[1][0].v += PM_PICK(ab0, cd0, 2, 3, 6, 7), at[1][1].v += PM_PICK(ab1, cd1, 2, 3, 6, 7);
+    } else {
+      const auto a = sum[0].part[0], b = sum[1].part[0], c = sum[2].part[0], d = sum[3].part[0];
+      const auto ab0 = PM_PICK(a, b, 0, 8, 2, 10, 4, 12, 6, 14),
+                 ab1 = PM_PICK(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+      const auto cd0 = PM_PICK(c, d, 0, 8, 2, 10, 4, 12, 6, 14),
+                 cd1 = PM_PICK(c, d, 1, 9, 3, 11, 5, 13, 7, 15);
+      const auto even = i == 0 ? PM_PICK(ab0, cd0, 0, 1, 8, 9, 2, 3, 10, 11)
+                               : PM_PICK(ab0, cd0, 4, 5, 12, 13, 6, 7, 14, 15);
+      const auto odd = i == 0 ? PM_PICK(ab1, cd1, 0, 1, 8, 9, 2, 3, 10, 11)
+                              : PM_PICK(ab1, cd1, 4, 5, 12, 13, 6, 7, 14, 15);
+      using Two = typename Eight<T>::InMemory;
+      *reinterpret_cast<Two*>(at[0]) += PM_PICK(even, odd, 0, 1, 2, 3, 8, 9, 10, 11);
+      *reinterpret_cast<Two*>(at[1]) += PM_PICK(even, odd, 4, 5, 6, 7, 12, 13, 14, 15);
     }
+  }
 }
 
-// Where in its cell each point of a pack lies, 0 to 1.
-template <class V, class T>
-PM_HD void store_fractions(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                           std::size_t p, int n, T (&f)[3][Pack<V>::width]) {
-  const auto x = points.template vector<V>(Field::position, p, n);
-  for (int a = 0; a < 3; ++a) Pack<V>::store(f[a], grid.local(x[a], a) - T(run.base[a]));
-}
+#undef PM_PICK
 
 template <class T>
-void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                        std::vector<Quad<T>>& nodes) {
-  using V = Lanes<T>;
+void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
+                        const Columns<T, 3>& places, const Run& run, std::vector<Quad<T>>& nodes) {
   const AxisWeights<T> x(0), y(1), z(2);
+  const T *mass = points.at(Field::mass), *vx = points.at(Field::velocity, 0),
+          *vy = points.at(Field::velocity, 1), *vz = points.at(Field::velocity, 2);
   Eight<T> sum[4];
-  for_each_pack<V>(run, [&](std::size_t p, int n) {
-    alignas(64) T f[3][V::width];
-    store_fractions<V>(points, grid, run, p, n, f);
-    for (int i = 0; i < n; ++i) {
-      const auto weight = points.at(Field::mass)[p + i] * (x(f[0][i]) * y(f[1][i]) * z(f[2][i]));
-      for (int c = 0; c < 3; ++c) sum[c].add_scaled(points.at(Field::velocity, c)[p + i], weight);
-      sum[3].add(weight);
-    }
-  });
+  std::size_t p = run.begin;
+  do {  // a run is never empty
+    const std::size_t i = p - block.begin;
+    const auto weight = (mass[p] * x(places.load(0, i))) * (y(places.load(1, i)) * z(places.load(2, i)));
+    sum[0].add_scaled(vx[p], weight), sum[1].add_scaled(vy[p], weight), sum[2].add_scaled(vz[p], weight);
+    sum[3].add(weight);
+  } while (++p < run.end);
   add_to_nodes(grid, run, sum, nodes);
 }
 
 template <class T>
-void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                              std::vector<Quad<T>>& nodes) {
-  using V = Lanes<T>;
+void add_internal_force_lanes(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
+                              const Columns<T, 6>& push, const Run& run, std::vector<Quad<T>>& nodes) {
   const AxisWeights<T> x(0), y(1), z(2);
   Eight<T> by_x[3], by_y[3], by_z[3];  // sums of the stress, but for the slope's sign along the axis
-  for_each_pack<V>(run, [&](std::size_t p, int n) {
-    alignas(64) T f[3][V::width], s[6][V::width];
-    store_fractions<V>(points, grid, run, p, n, f);
-    const V volume = -grid.per_metre * points.template load<V>(Field::volume, p, n);
-    const auto stress = points.template stress<V>(p, n);
-    const V all[6] = {stress.xx, stress.yy, stress.zz, stress.xy, stress.yz, stress.zx};
-    for (int c = 0; c < 6; ++c) Pack<V>::store(s[c], volume * all[c]);
-    for (int i = 0; i < n; ++i) {
-      const auto wx = x(f[0][i]), wy = y(f[1][i]), wz = z(f[2][i]);
-      const auto yz = wy * wz, zx = wz * wx, xy = wx * wy;
-      by_x[0].add_scaled(s[0][i], yz), by_x[1].add_scaled(s[3][i], yz), by_x[2].add_scaled(s[5][i], yz);
-      by_y[0].add_scaled(s[3][i], zx), by_y[1].add_scaled(s[1][i], zx), by_y[2].add_scaled(s[4][i], zx);
-      by_z[0].add_scaled(s[5][i], xy), by_z[1].add_scaled(s[4][i], xy), by_z[2].add_scaled(s[2][i], xy);
-    }
-  });
+  std::size_t p = run.begin;
+  do {
+    const std::size_t i = p - block.begin;
+    const auto s = [&](int c) { return push.load(c, i); };
+    const auto wx = x(places.load(0, i)), wy = y(places.load(1, i)), wz = z(places.load(2, i));
+    const auto yz = wy * wz, zx = wz * wx, xy = wx * wy;
+    by_x[0].add_scaled(s(0), yz), by_x[1].add_scaled(s(3), yz), by_x[2].add_scaled(s(5), yz);
+    by_y[0].add_scaled(s(3), zx), by_y[1].add_scaled(s(1), zx), by_y[2].add_scaled(s(4), zx);
+    by_z[0].add_scaled(s(5), xy), by_z[1].add_scaled(s(4), xy), by_z[2].add_scaled(s(2), xy);
+  } while (++p < run.end);
   Eight<T> sum[4];
+  const T slope = grid.per_metre;
   for (int c = 0; c < 3; ++c) {
     sum[c].add(x.sign * by_x[c]), sum[c].add(y.sign * by_y[c]), sum[c].add(z.sign * by_z[c]);
+    sum[c] = slope * sum[c];
   }
   add_to_nodes(grid, run, sum, nodes);
 }
 
 #endif
 
-// The kernels that a driver with shape functions `Shape` and numbers or packs `V` uses.
+// The kernels that a driver with shape functions `Shape` and numbers or packs `V` uses, over a block.
 template <class Shape, class V, class T = number_t<V>>
-void scatter_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                      std::vector<Quad<T>>& nodes) {
+void scatter_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
+                      const Columns<T, 3>& places, std::vector<Quad<T>>& nodes) {
+  for_each_run(block, [&](const Run& run) {
 #ifdef POCKMARK_LANES
-  if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-    return add_momentum_lanes(points, grid, run, nodes);
+    if constexpr (Pack<V>::width > 1 && Shape::support == 2)
+      return add_momentum_lanes(points, grid, block, places, run, nodes);
 #endif
-  add_momentum<Shape>(points, grid, run, nodes);
+    add_momentum<Shape>(points, grid, block, places, run, nodes);
+  });
 }
 template <class Shape, class V, class T = number_t<V>>
-void scatter_force(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                   std::vector<Quad<T>>& nodes) {
+void scatter_force(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
+                   const Columns<T, 6>& push, std::vector<Quad<T>>& nodes) {
+  for_each_run(block, [&](const Run& run) {
 #ifdef POCKMARK_LANES
-  if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-    return add_internal_force_lanes(points, grid, run, nodes);
+    if constexpr (Pack<V>::width > 1 && Shape::support == 2)
+      return add_internal_force_lanes(grid, block, places, push, run, nodes);
 #endif
-  add_internal_force<Shape>(points, grid, run, nodes);
+    add_internal_force<Shape>(grid, block, places, push, run, nodes);
+  });
 }
 
 }  // namespace pockmark::cpu

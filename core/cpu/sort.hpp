@@ -7,9 +7,7 @@
 
 namespace pockmark::cpu {
 
-// Points whose cell is `gone` are dropped.
-inline constexpr std::uint32_t gone = UINT32_MAX;
-
+// Drops the points that are gone.
 template <class T>
 class Sorter {
  public:
@@ -39,7 +37,7 @@ class Sorter {
 
  private:
   template <class V>
-  void reorder(std::vector<V>& values, std::vector<V>& scratch, int threads) {
+  void reorder(V& values, V& scratch, int threads) {
     const std::int64_t kept = std::int64_t(from_.size());
     scratch.resize(from_.size());
 #pragma omp parallel for schedule(static) num_threads(threads)
@@ -48,7 +46,7 @@ class Sorter {
   }
 
   std::vector<std::uint32_t> first_, from_;
-  std::vector<T> scratch_;
+  Array<T> scratch_;
   std::vector<std::uint8_t> byte_scratch_;
   std::vector<std::uint32_t> index_scratch_;
 };

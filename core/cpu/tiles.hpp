@@ -1,4 +1,5 @@
-// How the CPU walks the points: tiles of the grid, seen along z, of four planes by eight rows; threads.
+// How the CPU walks points and nodes: tiles of the grid, seen along z, of four planes by eight rows; blocks
+// and runs of points in each; threads.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -11,86 +12,196 @@ namespace pockmark::cpu {
 class Tiles {
  public:
   // A tile writes to its own planes and rows and, because points may have strayed by one since they were
-  // sorted and stencils are wide, to one before and two after the strayed ones. With four or more of each,
-  // tiles of one colour (even or odd in x and in y) never write to the same node: no atomics, and sums do not
-  // depend on the number of threads.
+  // sorted and stencils are wide, to one before and three after. With four or more of each, tiles of one
+  // colour (even or odd in x and in y) never write to the same node, nor do tiles with one between them: no
+  // atomics, and sums do not depend on the number of threads.
   static constexpr int planes = 4, rows = 8;
 
   // Points must be sorted by cell.
   template <class T>
   void locate(const Particles<T>& points, const GridGeometry<T>& grid) {
-    across_ = (grid.nodes(1) + rows - 1) / rows;
-    count_ = (grid.nodes(0) + planes - 1) / planes * across_;
-    begin_.assign(grid.nodes(0) * across_ + 1, points.size());
-    for (int i = 0; i < grid.nodes(0); ++i)
+    nodes_ = {grid.nodes(0), grid.nodes(1), grid.nodes(2)};
+    along_ = (nodes_[0] + planes - 1) / planes, across_ = (nodes_[1] + rows - 1) / rows;
+    tiles_.resize(along_ * across_);
+    begin_.assign(nodes_[0] * across_ + 1, points.size());
+    for (int i = 0; i < nodes_[0]; ++i)
       for (int t = 0; t < across_; ++t) {
         const std::uint64_t first_node = grid.index(i, t * rows, 0);
         begin_[i * across_ + t] =
             std::lower_bound(points.cell.begin(), points.cell.end(), first_node) - points.cell.begin();
       }
   }
-  int count() const { return count_; }
+  int count() const { return int(tiles_.size()); }
+
+  // Splits the points of the tiles for which changed(tile) into blocks and runs. Points that are gone are in
+  // none.
+  template <class T, class F>
+  void split(const Particles<T>& points, const GridGeometry<T>& grid, int support, int threads, F&& changed) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int t = 0; t < count(); ++t)
+      if (changed(t)) split_tile(points, grid, support, t);
+    for (int t = 0; t < count(); ++t) {
+      Span all;
+      for_each_neighbour(t, [&](int u) { all.cover(tiles_[u].touched); });
+      tiles_[t].stale.cover(tiles_[t].active), tiles_[t].active = all;
+    }
+  }
+  void forget_stale() {
+    for (auto& tile : tiles_)
+      if (!tile.idles) tile.stale = {};
+  }
+  std::size_t run_count() const {
+    std::size_t sum = 0;
+    for (const auto& tile : tiles_) sum += tile.runs.size();
+    return sum;
+  }
 
   // Whether every point is still within a plane and a row of its tile.
-  template <class T>
-  bool hold(const Particles<T>& points, const GridGeometry<T>& grid, int threads) const {
-    std::int64_t strayed = 0;
-#pragma omp parallel for schedule(dynamic) num_threads(threads) reduction(+ : strayed)
+  bool hold() const {
     for (int t = 0; t < count(); ++t) {
       const int plane = t / across_ * planes, row = t % across_ * rows;
-      for_each_stretch(t, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) {
-          int at[3];
-          grid.split(points.cell[p], at);
-          strayed += at[0] < plane - 1 || at[0] > plane + planes || at[1] < row - 1 || at[1] > row + rows;
-        }
-      });
+      for (const auto& run : tiles_[t].runs)
+        if (run.base[0] < plane - 1 || run.base[0] > plane + planes || run.base[1] < row - 1 ||
+            run.base[1] > row + rows)
+          return false;
     }
-    return strayed == 0;
+    return true;
   }
 
-  // f(tile, block) for each block; tiles in parallel. `F` may write to the points of the block only.
-  template <class T, class F>
-  void gather(const Particles<T>& points, const GridGeometry<T>& grid, int threads, F&& f) const {
+  // A tile sleeps while its points and those of its neighbours rest: no node that it touches can move. Asks
+  // rests(tile) of the tiles that have rested until now, of all at the start.
+  template <class F>
+  void send_to_sleep(bool start, F&& rests) {
+    for (int t = 0; t < count(); ++t)
+      if (start || (tiles_[t].rests && !tiles_[t].sleeps)) tiles_[t].rests = rests(t);
+    for (int t = 0; t < count(); ++t) {
+      bool all = true;
+      for_each_neighbour(t, [&](int u) { all = all && tiles_[u].rests; });
+      tiles_[t].sleeps = all;
+    }
+    for (int t = 0; t < count(); ++t) {
+      bool all = true;
+      for_each_neighbour(t, [&](int u) { all = all && tiles_[u].sleeps; });
+      tiles_[t].idles = all;
+    }
+  }
+  bool sleeps(int t) const { return tiles_[t].sleeps; }
+
+  template <class F>
+  void for_each_block(int t, F&& f) const {
+    for (const Block& block : tiles_[t].blocks) f(t, block);
+  }
+  // f(tile, block) for each block, of sleeping tiles too; tiles in parallel.
+  template <class F>
+  void visit(int threads, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int t = 0; t < count(); ++t) blocks(points, grid, t, f);
+    for (int t = 0; t < count(); ++t) for_each_block(t, f);
+  }
+  // f(tile, block) for each block that is awake; tiles in parallel. `F` may write to the points of the block
+  // only.
+  template <class F>
+  void gather(int threads, F&& f) const {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int t = 0; t < count(); ++t)
+      if (!sleeps(t)) for_each_block(t, f);
   }
   // As gather, but `F` may add to the nodes under the block.
-  template <class T, class F>
-  void scatter(const Particles<T>& points, const GridGeometry<T>& grid, int threads, F&& f) const {
+  template <class F>
+  void scatter(int threads, F&& f) const {
     for (int colour = 0; colour < 4; ++colour) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
       for (int t = 0; t < count(); ++t)
-        if (t / across_ % 2 * 2 + t % across_ % 2 == colour) blocks(points, grid, t, f);
+        if (!sleeps(t) && t / across_ % 2 * 2 + t % across_ % 2 == colour) for_each_block(t, f);
     }
   }
-  // f(tile, begin, end) over the points of each tile, a stretch at a time.
-  template <class F>
-  void points(int threads, F&& f) const {
+
+  // f(tile, first node, end) over the nodes of each tile that points touch, line by line; `stale`: or touched
+  // before. Without the nodes that only sleeping points touch.
+  template <class T, class F>
+  void for_each_line(const GridGeometry<T>& grid, int threads, bool stale, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int t = 0; t < count(); ++t)
-      for_each_stretch(t, [&](std::size_t begin, std::size_t end) { f(t, begin, end); });
+    for (int t = 0; t < count(); ++t) {
+      if (tiles_[t].idles) continue;
+      Span span = tiles_[t].active;
+      if (stale) span.cover(tiles_[t].stale);
+      if (span.begin >= span.end) continue;  // empty
+      const int plane = t / across_ * planes, row = t % across_ * rows;
+      for (int i = plane; i < std::min(plane + planes, nodes_[0]); ++i)
+        for (int j = row; j < std::min(row + rows, nodes_[1]); ++j)
+          f(t, grid.index(i, j, span.begin), grid.index(i, j, span.end));
+    }
   }
 
  private:
-  // The points of a tile are consecutive plane by plane.
+  // Nodes along z.
+  struct Span {
+    int begin = INT32_MAX, end = INT32_MIN;
+    void cover(const Span& other) { begin = std::min(begin, other.begin), end = std::max(end, other.end); }
+  };
+  struct Tile {
+    std::vector<Block> blocks;
+    std::vector<Run> runs;
+    Span touched;        // by its own points
+    Span active, stale;  // by its points and those of its neighbours, in this step and before
+    bool rests = false, sleeps = false, idles = false;  // idles: it and its neighbours sleep
+  };
+
+  // f(tile) for the tile and those around it.
   template <class F>
-  void for_each_stretch(int tile, F&& f) const {
-    const std::size_t last = begin_.size() - 1;
-    for (int i = 0; i < planes; ++i) {
-      const std::size_t at = std::size_t(tile / across_ * planes + i) * across_ + tile % across_;
-      if (at < last && begin_[at] < begin_[at + 1]) f(begin_[at], begin_[at + 1]);
-    }
-  }
-  template <class T, class F>
-  void blocks(const Particles<T>& points, const GridGeometry<T>& grid, int tile, F&& f) const {
-    for_each_stretch(tile, [&](std::size_t stretch, std::size_t end) {
-      for (std::size_t begin = stretch; begin < end; begin += Block::most)
-        f(tile, Block(points, grid, begin, std::min(begin + Block::most, end)));
-    });
+  void for_each_neighbour(int t, F&& f) const {
+    const int a = t / across_, b = t % across_;
+    for (int i = std::max(a - 1, 0); i <= std::min(a + 1, along_ - 1); ++i)
+      for (int j = std::max(b - 1, 0); j <= std::min(b + 1, across_ - 1); ++j) f(i * across_ + j);
   }
 
-  int across_ = 1, count_ = 0;
+  template <class T>
+  void split_tile(const Particles<T>& points, const GridGeometry<T>& grid, int support, int t) {
+    Tile& tile = tiles_[t];
+    tile.blocks.clear(), tile.runs.clear();
+    // The points of a tile are consecutive plane by plane.
+    const std::size_t last = begin_.size() - 1;
+    for (int i = 0; i < planes; ++i) {
+      const std::size_t at = std::size_t(t / across_ * planes + i) * across_ + t % across_;
+      if (at >= last) break;
+      for (std::size_t p = begin_[at]; p < begin_[at + 1];)
+        p = add_block(points, grid, tile, p, begin_[at + 1]);
+    }
+    const Run* first = tile.runs.data();
+    for (Block& block : tile.blocks) block.runs = first, first += block.run_count;
+    tile.touched = {};
+    if (tile.runs.empty()) return;
+    for (const Run& run : tile.runs) tile.touched.cover({run.base[2], run.base[2] + support});
+    // The image behind a mirror lies two nodes from the farthest node that it shows.
+    tile.touched.begin = std::max(tile.touched.begin - 2, 0);
+    tile.touched.end = std::min(tile.touched.end + 2, nodes_[2]);
+  }
+  // Adds the block that begins with point p; returns where the next one begins.
+  template <class T>
+  static std::size_t add_block(const Particles<T>& points, const GridGeometry<T>& grid, Tile& tile,
+                               std::size_t p, std::size_t end) {
+    if (points.cell[p] == gone) return p + 1;
+    Block block{p, p, true, 0, nullptr};
+    end = std::min(end, p + Block::most);
+    while (block.end < end && points.cell[block.end] != gone) {
+      Run run;
+      run.begin = block.end, run.node = points.cell[run.begin];
+      grid.split(run.node, run.base);
+      while (++block.end < end && points.cell[block.end] == run.node) {
+      }
+      run.end = block.end;
+      tile.runs.push_back(run);
+      ++block.run_count;
+    }
+    unsigned differs = 0;
+    for (std::size_t q = p; q < block.end; ++q) differs |= points.body[q] ^ points.body[p];
+    block.one_body = differs == 0;
+    tile.blocks.push_back(block);
+    return block.end;
+  }
+
+  int along_ = 1, across_ = 1;
+  std::array<int, 3> nodes_{};
+  std::vector<Tile> tiles_;
   std::vector<std::size_t> begin_;  // of each plane and tile along y
 };
 

@@ -1,4 +1,5 @@
-// What an equation of state gives the stress update: pressure as a linear function of the energy.
+// What an equation of state gives the stress update: pressure as a linear function of the energy. Its `at` is
+// given mu = rho/rho0 - 1 and the ratio V/V0 = 1/(1 + mu).
 #pragma once
 #include "../lanes.hpp"
 

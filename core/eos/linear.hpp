@@ -20,7 +20,7 @@ struct LinearEos {
   }
   PM_HD T bulk_modulus() const { return bulk_modulus_; }
   template <class V>
-  PM_HD Isochore<V> at(V mu) const {
+  PM_HD Isochore<V> at(V mu, V) const {
     return {bulk_modulus_ * mu, V(0), V(bulk_modulus_), V(0)};
   }
 };

@@ -24,22 +24,22 @@ struct MieGruneisen {
   PM_HD T bulk_modulus() const { return density * c0 * c0; }
 
   template <class V>
-  PM_HD Isochore<V> at(V mu) const {
+  PM_HD Isochore<V> at(V mu, V ratio) const {
     const auto compressed = V(0) <= mu;
-    if (!any(!compressed)) return shocked(mu);
-    const auto out = expanded(mu);
-    return any(compressed) ? select(compressed, shocked(mu), out) : out;
+    if (!any(compressed)) return expanded(mu);
+    const auto out = shocked(mu, ratio);
+    return any(!compressed) ? select(compressed, out, expanded(mu)) : out;
   }
 
  private:
   template <class V>
-  PM_HD Isochore<V> shocked(V mu) const {
+  PM_HD Isochore<V> shocked(V mu, V ratio) const {
     // 0.95 of the pole: p_H is 5000 times the bulk modulus there.
-    const V cap = V(s > T(1) ? T(0.95) / (s - T(1)) : T(20));
-    const auto capped = cap < mu;
-    mu = select(capped, cap, mu);
-    // gamma = gamma0 / (1 + mu), Eq. 19.
-    const V ratio = V(1) / (V(1) + mu), half_gamma = T(0.5) * gamma0 * ratio;
+    const T cap = s > T(1) ? T(0.95) / (s - T(1)) : T(20);
+    const auto capped = V(cap) < mu;
+    mu = select(capped, V(cap), mu);
+    ratio = select(capped, V(T(1) / (T(1) + cap)), ratio);
+    const V half_gamma = T(0.5) * gamma0 * ratio;  // gamma = gamma0 / (1 + mu), Eq. 19
     const V g = V(1) - half_gamma * mu, g_slope = -(half_gamma * ratio);
     const V d = V(1) / (V(1) - (s - T(1)) * mu), kd2 = bulk_modulus() * d * d;
     const V hugoniot = kd2 * mu * (V(1) + mu);

@@ -53,13 +53,17 @@ struct JohnsonCook {
     return (A + B * fast_pow(strain, n)) * (T(1) + C * fast_log(max(star, T(1)))) * softening(temperature);
   }
 
+  // Whether a trial stress is above the least flow stress at that temperature: without it nothing yields.
+  template <class V>
+  PM_HD mask_t<V> may_yield(V trial, V temperature) const {
+    return A * softening(temperature) < trial;
+  }
   // Radial return: find d with r(d) = trial - 3 G d - sigma_y(strain + d, d/dt, T) = 0, by Newton's method in
   // x = ln d. There r is concave and falls, the kink at the reference rate included, so the iteration comes
   // down on the root from above and needs no bracket. The temperature is the one at the start of the step.
   template <class V>
   PM_HD PlasticReturn<V> return_map(V trial, V strain, V temperature, T dt) const {
     const V soft = softening(temperature);
-    if (!any(A * soft < trial)) return {};
     const V power = B * fast_pow(strain, n), still = (A + power) * soft;
     const auto yields = still < trial;
     if (!any(yields)) return {};

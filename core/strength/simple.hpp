@@ -16,6 +16,10 @@ struct Elastic {
   explicit Elastic(const Elastic<U>& o) : shear_modulus(T(o.shear_modulus)) {}
   std::string check() const { return shear_modulus >= 0 ? "" : "shear_modulus must be >= 0"; }
   template <class V>
+  PM_HD mask_t<V> may_yield(V, V) const {
+    return Pack<V>::mask(false);
+  }
+  template <class V>
   PM_HD PlasticReturn<V> return_map(V, V, V, T) const {
     return {};
   }
@@ -29,6 +33,10 @@ struct Fluid {
   template <class U>
   explicit Fluid(const Fluid<U>&) {}
   std::string check() const { return ""; }
+  template <class V>
+  PM_HD mask_t<V> may_yield(V, V) const {
+    return Pack<V>::mask(false);
+  }
   template <class V>
   PM_HD PlasticReturn<V> return_map(V, V, V, T) const {
     return {};

@@ -25,10 +25,13 @@ class Task(Protocol):
 class Simulation:
     """The state of one scene. Positions etc. come as copies in SI, in the core's current order."""
 
-    def __init__(self, scene: Scene, threads: int | None = None, lanes: bool | None = None) -> None:
+    def __init__(
+        self, scene: Scene, threads: int | None = None, lanes: bool | None = None, sleep: bool = True
+    ) -> None:
         """Make the points and the grid. Raises PockmarkError if a body has no points.
 
-        `lanes=False` takes the scalar driver, the reference, where the core has SIMD lanes.
+        `lanes=False` takes the scalar driver, the reference, where the core has SIMD lanes; `sleep=False` steps
+        what is at rest too, with the same result.
         """
         self.scene = scene
         self.threads = threads or len(os.sched_getaffinity(0))
@@ -51,6 +54,7 @@ class Simulation:
                 pic_fraction=numerics.pic_fraction,
                 mass_cutoff=numerics.mass_cutoff,
                 lanes=_core.build_info()["lanes"] if lanes is None else lanes,
+                sleep=sleep,
             ),
             threads=self.threads,
         )

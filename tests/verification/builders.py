@@ -61,6 +61,7 @@ def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0):
         pic_fraction=pic,
         mass_cutoff=cutoff,
         lanes=core.build_info()["lanes"],
+        sleep=True,
     )
 
 
