@@ -94,10 +94,7 @@ struct StressProbe {
       const Block block{begin, end, true, 0, nullptr};
       Columns<double, 9> gradient;
       for (std::size_t p = begin; p < end; ++p) {
-        const double* g = gradients.data() + 9 * p;
-        const double L[9] = {g[0],        g[3] - g[8], g[5] + g[7], g[3] + g[8], g[1],
-                             g[4] - g[6], g[5] - g[7], g[4] + g[6], g[2]};
-        for (int c = 0; c < 9; ++c) gradient.store(c, p - begin, L[c]);
+        for (int c = 0; c < 9; ++c) gradient.store(c, p - begin, gradients.data()[9 * p + c]);
       }
       Audit audit;
       Columns<double, 6> push;

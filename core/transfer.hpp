@@ -90,6 +90,9 @@ struct Patch {
     const Quad<T>* first = nodes.data() + run.node;
     for_each([&](int i, int j, int k) { at[i][j][k] = first[grid.index(i, j, k)]; });
   }
+  PM_HD void scale(T factor) {
+    for_each([&](int i, int j, int k) { at[i][j][k].v = factor * at[i][j][k].v; });
+  }
   PM_HD void subtract(const Patch& other) {
     for_each([&](int i, int j, int k) { at[i][j][k].v -= other.at[i][j][k].v; });
   }
@@ -115,11 +118,11 @@ class Interpolant {
     });
     return sum;
   }
-  // derivative[c][a] = d v_c / d x_a (Eq. 13), summed axis by axis.
+  // derivative[c][a] = d v_c / d f_a (Eq. 13), summed axis by axis.
   template <class V>
-  PM_HD void gradient(const Vec3<V>& f, T per_metre, V (&derivative)[3][3]) const {
+  PM_HD void slopes(const Vec3<V>& f, V (&derivative)[3][3]) const {
     constexpr int S = Shape::support;
-    const Stencil<Shape, V> n(f, per_metre);
+    const Stencil<Shape, V> n(f, T(1));
     for (int c = 0; c < 3; ++c) {
       V dx = V(0), dy = V(0), dz = V(0);
       for (int i = 0; i < S; ++i) {
@@ -165,12 +168,12 @@ class Interpolant<Linear<T>, T> {
     return out;
   }
   template <class V>
-  PM_HD void gradient(const Vec3<V>& f, T per_metre, V (&derivative)[3][3]) const {
+  PM_HD void slopes(const Vec3<V>& f, V (&derivative)[3][3]) const {
     for (int c = 0; c < 3; ++c) {
       const V yz = yz_.v[c] + f.x * xyz_.v[c];
-      derivative[c][0] = per_metre * ((x_.v[c] + f.z * zx_.v[c]) + f.y * (xy_.v[c] + f.z * xyz_.v[c]));
-      derivative[c][1] = per_metre * ((y_.v[c] + f.x * xy_.v[c]) + f.z * yz);
-      derivative[c][2] = per_metre * ((z_.v[c] + f.x * zx_.v[c]) + f.y * yz);
+      derivative[c][0] = (x_.v[c] + f.z * zx_.v[c]) + f.y * (xy_.v[c] + f.z * xyz_.v[c]);
+      derivative[c][1] = (y_.v[c] + f.x * xy_.v[c]) + f.z * yz;
+      derivative[c][2] = (z_.v[c] + f.x * zx_.v[c]) + f.y * yz;
     }
   }
 
@@ -178,31 +181,31 @@ class Interpolant<Linear<T>, T> {
   Quad<T> one_, x_, y_, z_, xy_, yz_, zx_, xyz_;
 };
 
-// The gradient of a nodal velocity at the points of a block, d v_c / d x_a in column 3 c + a.
+// The rate of strain (columns 0 to 5) and the spin (6 to 8) of a nodal velocity at the points of a block.
 template <class Shape, class V, class T>
 void gather_gradient(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
                      const std::vector<Quad<T>>& nodes, Columns<T, 9>& out) {
   for_each_run(block, [&](const Run& run) {
     Patch<Shape, T> patch;
     patch.load(grid, run, nodes);
+    patch.scale(T(0.5) * grid.per_metre);
     const Interpolant<Shape, T> velocity(patch);
     for_each_pack<V>(run, [&](std::size_t p, int) PM_INLINE {
       const std::size_t i = p - block.begin;
-      V d[3][3];
-      velocity.gradient(places.template vector<V>(i), grid.per_metre, d);
-      for (int c = 0; c < 3; ++c)
-        for (int a = 0; a < 3; ++a) out.store(3 * c + a, i, d[c][a]);
+      V d[3][3];  // half of d v_c / d x_a
+      velocity.slopes(places.template vector<V>(i), d);
+      out.store(0, i, d[0][0] + d[0][0]), out.store(1, i, d[1][1] + d[1][1]);
+      out.store(2, i, d[2][2] + d[2][2]), out.store(3, i, d[0][1] + d[1][0]);
+      out.store(4, i, d[1][2] + d[2][1]), out.store(5, i, d[2][0] + d[0][2]);
+      out.store(6, i, d[2][1] - d[1][2]), out.store(7, i, d[0][2] - d[2][0]);
+      out.store(8, i, d[1][0] - d[0][1]);
     });
   });
 }
-// Its rate of strain and spin at the pack that starts with the block's point i.
 template <class V, class T>
 PM_HD VelocityGradient<V> velocity_gradient(const Columns<T, 9>& gradient, std::size_t i) {
-  const auto l = [&](int c, int a) { return gradient.template load<V>(3 * c + a, i); };
-  const V half = V(T(0.5));
-  const V xy = l(0, 1), yx = l(1, 0), yz = l(1, 2), zy = l(2, 1), zx = l(2, 0), xz = l(0, 2);
-  return {{l(0, 0), l(1, 1), l(2, 2), half * (xy + yx), half * (yz + zy), half * (zx + xz)},
-          {half * (zy - yz), half * (xz - zx), half * (yx - xy)}};
+  const auto g = [&](int c) { return gradient.template load<V>(c, i); };
+  return {{g(0), g(1), g(2), g(3), g(4), g(5)}, {g(6), g(7), g(8)}};
 }
 
 // A nodal vector field at the points of a block; load(patch, run) fetches the nodes of a run.
