@@ -167,6 +167,8 @@ nb::object get_field(const Solver<T>& solver, const std::string& name) {
   if (name == "body") return rows(std::uint8_t(), 1, [&](std::size_t p, int) { return points.body[p]; });
   if (name == "id") return rows(std::uint32_t(), 1, [&](std::size_t p, int) { return points.id[p]; });
   const auto& info = field_named(name);
+  if (info.field == Field::place)
+    return rows(0.0, 3, [&](std::size_t p, int a) { return solver.position(p)[a]; });
   if (info.field == Field::deviator) {
     return rows(0.0, 6, [&](std::size_t p, int c) {
       const auto s = solver.settled_deviator(p);
@@ -183,6 +185,7 @@ template <class T>
 void set_field(Solver<T>& solver, const std::string& name, Doubles values) {
   auto& points = solver.points();
   const auto& info = field_named(name);
+  if (info.field == Field::place) throw std::invalid_argument("points are placed when they are added");
   if (values.size() != solver.live_points() * info.components)
     throw std::invalid_argument(name + ": wrong size");
   const double* value = values.data();
@@ -206,10 +209,9 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
     const std::size_t p = old + i;
     if (body.data()[i] >= materials.size())
       throw std::invalid_argument("add_points: a body without a material");
-    for (int a = 0; a < 3; ++a) {
-      points.at(Field::position, a)[p] = T(position.data()[3 * i + a]);
-      points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
-    }
+    const double* x = position.data() + 3 * i;
+    solver.place(p, {x[0], x[1], x[2]});
+    for (int a = 0; a < 3; ++a) points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
     // Points at the density of their material are kept with V/V0 = 1 exactly: they have no stress at all.
     const double density = materials[body.data()[i]].template as<double>().density();
     points.at(Field::mass)[p] = T(mass.data()[i]);

@@ -90,13 +90,11 @@ void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, 
     if (run.base[axis] < layer - 1 || run.base[axis] > layer)
       continue;  // no stencil of this run reaches the layer
     for (std::size_t p = run.begin; p < run.end; ++p) {
-      const auto position = points.vector(Field::position, p);
-      if (int(std::floor(geometry.local(position[axis], axis))) != layer) continue;
+      Vec3<T> f = points.vector(Field::place, p);
+      if (run.base[axis] + int(std::floor(f[axis])) != layer) continue;
       // Projected onto the face; the linear stencil of an upper face ends on it.
       int base[3] = {run.base[0], run.base[1], run.base[2]};
       base[axis] = Shape::support == 2 ? layer : layer + face % 2 - 1;
-      Vec3<T> f;
-      for (int a = 0; a < 3; ++a) f[a] = geometry.local(position[a], a) - T(base[a]);
       f[axis] = T(layer + face % 2 - base[axis]);
       const Stencil<Shape, T> n(f, geometry.per_metre);
       const auto& damper = dampers[points.body[p]];

@@ -7,7 +7,7 @@
 namespace pockmark {
 
 enum class Field {
-  position,
+  place,
   velocity,
   mass,
   ratio,
@@ -29,7 +29,8 @@ struct FieldInfo {
 };
 
 inline constexpr std::array field_table{
-    FieldInfo{Field::position, "position", 3, "m", "position x, y, z"},
+    FieldInfo{Field::place, "position", 3, "m",
+              "position x, y, z; kept as the place in the stencil, in cells from its first node"},
     FieldInfo{Field::velocity, "velocity", 3, "m/s", "velocity x, y, z"},
     FieldInfo{Field::mass, "mass", 1, "kg", "mass"},
     FieldInfo{Field::ratio, "volume", 1, "m^3", "current volume; kept as V/V0 = rho0/rho"},

@@ -74,15 +74,38 @@ class Solver {
   double dt() const { return dt_; }
   std::int64_t cycle() const { return cycle_; }
 
+  // Puts a point at x (m). Called once for each point, before initialize().
+  void place(std::size_t p, const Vec3<double>& x) {
+    const auto& g = grid_.geometry;
+    const double offset =
+        options_.shape == ShapeFunction::trilinear ? Linear<T>::offset : Quadratic<T>::offset;
+    int base[3];
+    Vec3<T> f;
+    for (int a = 0; a < 3; ++a) {
+      const double xi = (x[a] - double(g.lower[a])) / double(g.cell) + g.pad;
+      const double most = g.cells[a] + 3.0;  // far outside is as good as farther
+      base[a] = int(std::floor(std::min(std::max(xi - offset, 0.0), most)));
+      f[a] = T(xi - base[a]);
+    }
+    points_.set_vector(Field::place, p, f);
+    const int face = face_crossed(g, base, f);
+    points_.cell[p] = face < 0 ? std::uint32_t(g.index(base[0], base[1], base[2])) : gone;
+    if (face >= 0) outside_.push_back({p, face});
+  }
+  Vec3<double> position(std::size_t p) const {
+    const auto& g = grid_.geometry;
+    int base[3];
+    g.split(points_.cell[p], base);
+    const auto f = points_.vector(Field::place, p);
+    Vec3<double> x;
+    for (int a = 0; a < 3; ++a) x[a] = double(g.lower[a]) + (base[a] - g.pad + double(f[a])) * double(g.cell);
+    return x;
+  }
+
   void initialize() {
-    struct {
-      std::size_t begin, end;
-    } const all{0, points_.size()};
     live_ = points_.size();
-    with_kernels([&]<class K>(K) {
-      if (relocate<typename K::Shape, T>(points_, grid_.geometry, all).outside) account_for_departed(all);
-      sort<K>();
-    });
+    for (const Exit& exit : outside_) account_for(exit);
+    with_kernels([&]<class K>(K) { sort<K>(); });
     for (std::size_t p = 0; p < points_.size(); ++p) {
       const auto& m = materials_[points_.body[p]];
       const auto v = points_.vector(Field::velocity, p);
@@ -225,10 +248,7 @@ class Solver {
   template <class K>
   void map_to_grid() {
     tiles_.scatter(threads_, [&](int, const Block& block) {
-      Columns<T, 3> places;
-      locate_in_cells<typename K::V>(points_, grid_.geometry, block, places);
-      cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block, places,
-                                                              grid_.before);
+      cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block, grid_.before);
     });
     fold(grid_.geometry, faces_, grid_.before, Mirrored::vector);
     momentum_to_velocity(grid_.before);
@@ -271,18 +291,17 @@ class Solver {
     for (int tile = 0; tile < tiles_.count(); ++tile)
       if (velocity && !tiles_.sleeps(tile)) audits_[tile] = {};
     const auto work = [&](int tile, const Block& block) {
-      Columns<T, 3> places;
       Columns<T, 6> push;
-      locate_in_cells<typename K::V>(points_, grid_.geometry, block, places);
       if (velocity) {
         Columns<T, 9> gradient;
-        gather_gradient<typename K::Shape, typename K::V>(grid_.geometry, block, places, *velocity, gradient);
+        gather_gradient<typename K::Shape, typename K::V>(points_, grid_.geometry, block, *velocity,
+                                                          gradient);
         update_stress<typename K::V>(points_, materials_, grid_.geometry.cell, block, gradient, step,
                                      audits_[tile], push);
       } else
         push_of_stress<typename K::V>(points_, materials_, block, push);
       if (forces)
-        cpu::scatter_force<typename K::Shape, typename K::V>(grid_.geometry, block, places, push,
+        cpu::scatter_force<typename K::Shape, typename K::V>(points_, grid_.geometry, block, push,
                                                              grid_.after);
     };
     forces ? tiles_.scatter(threads_, work) : tiles_.gather(threads_, work);
@@ -333,14 +352,12 @@ class Solver {
     std::vector<double> taken(tiles_.count());
     relocated_.assign(tiles_.count(), {});
     const auto work = [&](int tile, const Block& block) {
-      Columns<T, 3> places;
-      locate_in_cells<typename K::V>(points_, grid_.geometry, block, places);
-      taken[tile] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block, places,
+      taken[tile] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
                                                                          T(options_.pic_fraction));
       if (remaps())
-        cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block, places,
+        cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block,
                                                                 grid_.remapped);
-      if (moves) move_block<K>(tile, block, places);
+      if (moves) move_block<K>(tile, block);
     };
     remaps() ? tiles_.scatter(threads_, work) : tiles_.gather(threads_, work);
     for (double t : taken) pic_energy_ += t;
@@ -353,21 +370,18 @@ class Solver {
   template <class K>
   void move() {
     tiles_.gather(threads_, [&](int tile, const Block& block) {
-      Columns<T, 3> places;
-      locate_in_cells<typename K::V>(points_, grid_.geometry, block, places);
       if (options_.scheme == Scheme::usavg) {
         Columns<T, 9> gradient;
-        gather_gradient<typename K::Shape, typename K::V>(grid_.geometry, block, places, grid_.remapped,
+        gather_gradient<typename K::Shape, typename K::V>(points_, grid_.geometry, block, grid_.remapped,
                                                           gradient);
         strain_points<typename K::V>(points_, materials_, block, gradient, T(0.5) * T(dt_));
       }
-      move_block<K>(tile, block, places);
+      move_block<K>(tile, block);
     });
   }
   template <class K>
-  void move_block(int tile, const Block& block, const Columns<T, 3>& places) {
-    move_points<typename K::Shape, typename K::V>(points_, grid_, block, places, T(dt_));
-    relocated_[tile].absorb(relocate<typename K::Shape, typename K::V>(points_, grid_.geometry, block));
+  void move_block(int tile, const Block& block) {
+    move_points<typename K::Shape, typename K::V>(points_, grid_, block, T(dt_), relocated_[tile]);
   }
 
   // Blocks and runs for the next step. Points are sorted by cell again when that pays: once the runs that
@@ -375,9 +389,8 @@ class Solver {
   // tile.
   template <class K>
   void arrange() {
-    for (int tile = 0; tile < tiles_.count(); ++tile)
-      if (relocated_[tile].outside)
-        tiles_.for_each_block(tile, [&](int, const Block& block) { account_for_departed(block); });
+    for (const auto& tile : relocated_)
+      for (const Exit& exit : tile.exits) account_for(exit);
     split<K>([&](int tile) { return relocated_[tile].changed; });
     disorder_ += tiles_.run_count() - sorted_runs_;
     if (points_per_run_cost * disorder_ > points_.size() || !tiles_.hold()) sort<K>();
@@ -413,33 +426,19 @@ class Solver {
     refresh_damping_ = true;
   }
 
-  // The face behind which a point lies. Not-a-number counts as outside.
-  int face_crossed(const Vec3<T>& x) const {
-    const auto& g = grid_.geometry;
-    for (int a = 0; a < 3; ++a) {
-      const T xi = g.local(x[a], a);
-      if (!(xi >= T(g.pad))) return 2 * a;
-      if (!(xi < T(g.pad + g.cells[a]))) return 2 * a + 1;
-    }
-    return -1;
-  }
-
-  template <class Range>
-  void account_for_departed(const Range& range) {
-    for (std::size_t p = range.begin; p < range.end; ++p) {
-      if (points_.cell[p] != gone) continue;
-      const auto v = points_.vector(Field::velocity, p);
-      const double m = points_.at(Field::mass)[p];
-      if (!std::isfinite(dot(v, v))) throw std::runtime_error("a point's velocity is no longer a number");
-      departed_.mass += m;
-      departed_.momentum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
-      departed_.kinetic += 0.5 * m * double(dot(v, v));
-      departed_.internal += internal_energy(p);
-      const Face face = faces_[face_crossed(points_.vector(Field::position, p))];
-      const bool expected = face == Face::free || face == Face::transmitting;
-      audit_.count(expected ? Counter::left_points : Counter::lost_points);
-      --live_;
-    }
+  void account_for(const Exit& exit) {
+    const std::size_t p = exit.point;
+    const auto v = points_.vector(Field::velocity, p);
+    const double m = points_.at(Field::mass)[p];
+    if (!std::isfinite(dot(v, v))) throw std::runtime_error("a point's velocity is no longer a number");
+    departed_.mass += m;
+    departed_.momentum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
+    departed_.kinetic += 0.5 * m * double(dot(v, v));
+    departed_.internal += internal_energy(p);
+    const Face face = faces_[exit.face];
+    const bool expected = face == Face::free || face == Face::transmitting;
+    audit_.count(expected ? Counter::left_points : Counter::lost_points);
+    --live_;
   }
 
   double internal_energy(std::size_t p) const {
@@ -473,6 +472,7 @@ class Solver {
   Timers timers_;
   std::vector<Audit> audits_;         // of each tile in the last stress update
   std::vector<Relocated> relocated_;  // of each tile in the last move
+  std::vector<Exit> outside_;         // points that were put outside the grid
   std::vector<std::size_t> damped_;   // nodes of transmitting faces
   std::vector<Quad<T>> damped_after_;
   std::size_t live_ = 0, sorted_runs_ = 0, disorder_ = 0;

@@ -163,7 +163,6 @@ struct GridGeometry {
     ijk[1] = int((double(in_plane) + 0.5) * per_row);
     ijk[2] = int(in_plane - ijk[1] * index(0, 1, 0));
   }
-  T upper(int axis) const { return lower[axis] + cells[axis] * cell; }
   // Position in units of cells from the first (padding) node.
   template <class V>
   PM_HD V local(V x, int axis) const {

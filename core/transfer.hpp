@@ -62,18 +62,6 @@ struct Columns {
   }
 };
 
-// Where the points of a block lie: in cells from the first node of their stencils.
-template <class V, class T>
-void locate_in_cells(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                     Columns<T, 3>& places) {
-  for_each_run(block, [&](const Run& run) {
-    for_each_pack<V>(run, [&](std::size_t p, int n) PM_INLINE {
-      const auto x = points.template vector<V>(Field::position, p, n);
-      for (int a = 0; a < 3; ++a) places.store(a, p - block.begin, grid.local(x[a], a) - V(T(run.base[a])));
-    });
-  });
-}
-
 // The S^3 values of a nodal field under a stencil.
 template <class Shape, class T>
 struct Patch {
@@ -183,17 +171,17 @@ class Interpolant<Linear<T>, T> {
 
 // The rate of strain (columns 0 to 5) and the spin (6 to 8) of a nodal velocity at the points of a block.
 template <class Shape, class V, class T>
-void gather_gradient(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
+void gather_gradient(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                      const std::vector<Quad<T>>& nodes, Columns<T, 9>& out) {
   for_each_run(block, [&](const Run& run) {
     Patch<Shape, T> patch;
     patch.load(grid, run, nodes);
     patch.scale(T(0.5) * grid.per_metre);
     const Interpolant<Shape, T> velocity(patch);
-    for_each_pack<V>(run, [&](std::size_t p, int) PM_INLINE {
+    for_each_pack<V>(run, [&](std::size_t p, int n) PM_INLINE {
       const std::size_t i = p - block.begin;
       V d[3][3];  // half of d v_c / d x_a
-      velocity.slopes(places.template vector<V>(i), d);
+      velocity.slopes(points.template vector<V>(Field::place, p, n), d);
       out.store(0, i, d[0][0] + d[0][0]), out.store(1, i, d[1][1] + d[1][1]);
       out.store(2, i, d[2][2] + d[2][2]), out.store(3, i, d[0][1] + d[1][0]);
       out.store(4, i, d[1][2] + d[2][1]), out.store(5, i, d[2][0] + d[0][2]);
@@ -210,13 +198,13 @@ PM_HD VelocityGradient<V> velocity_gradient(const Columns<T, 9>& gradient, std::
 
 // A nodal vector field at the points of a block; load(patch, run) fetches the nodes of a run.
 template <class Shape, class V, class T, class Load>
-void gather_values(const Block& block, const Columns<T, 3>& places, Columns<T, 3>& out, Load&& load) {
+void gather_values(const Particles<T>& points, const Block& block, Columns<T, 3>& out, Load&& load) {
   for_each_run(block, [&](const Run& run) {
     Patch<Shape, T> patch;
     load(patch, run);
     const Interpolant<Shape, T> field(patch);
-    for_each_pack<V>(run, [&](std::size_t p, int) PM_INLINE {
-      const auto v = field.value(places.template vector<V>(p - block.begin));
+    for_each_pack<V>(run, [&](std::size_t p, int n) PM_INLINE {
+      const auto v = field.value(points.template vector<V>(Field::place, p, n));
       for (int c = 0; c < 3; ++c) out.store(c, p - block.begin, v[c]);
     });
   });
@@ -224,11 +212,11 @@ void gather_values(const Block& block, const Columns<T, 3>& places, Columns<T, 3
 
 // Momentum and mass of the points.
 template <class Shape, class T>
-void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                  const Columns<T, 3>& places, const Run& run, std::vector<Quad<T>>& nodes) {
+void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
+                  std::vector<Quad<T>>& nodes) {
   Patch<Shape, T> patch;
   for (std::size_t p = run.begin; p < run.end; ++p) {
-    const Stencil<Shape, T> n(places.vector(p - block.begin), grid.per_metre);
+    const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);
     const T m = points.at(Field::mass)[p];
     const auto v = points.vector(Field::velocity, p);
     const Quad<T> carried{{m * v.x, m * v.y, m * v.z, m}};
@@ -254,13 +242,12 @@ PM_HD void store_push(Columns<T, 6>& push, std::size_t i, const PointState<V>& p
 
 // f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
 template <class Shape, class T>
-void add_internal_force(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
+void add_internal_force(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                         const Columns<T, 6>& push, const Run& run, std::vector<Quad<T>>& nodes) {
   Patch<Shape, T> force;
   for (std::size_t p = run.begin; p < run.end; ++p) {
-    const std::size_t at = p - block.begin;
-    const Stencil<Shape, T> n(places.vector(at), grid.per_metre);
-    const auto s = [&](int c) { return push.load(c, at); };
+    const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);
+    const auto s = [&](int c) { return push.load(c, p - block.begin); };
     const Quad<T> column[3] = {
         {{s(0), s(3), s(5), T(0)}}, {{s(3), s(1), s(4), T(0)}}, {{s(5), s(4), s(2), T(0)}}};
     for (int i = 0; i < Shape::support; ++i)

@@ -111,17 +111,16 @@ void push_of_stress(const Particles<T>& points, const std::vector<Material<T>>& 
 // FLIP with a share of PIC: v += sum N (v_after - v_before) (6). Returns the kinetic energy that PIC took
 // (J).
 template <class Shape, class V, class T = number_t<V>>
-double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block& block,
-                         const Columns<T, 3>& places, T pic) {
+double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block& block, T pic) {
   Columns<T, 3> change, after;
-  gather_values<Shape, V>(block, places, change, [&](Patch<Shape, T>& patch, const Run& run) {
+  gather_values<Shape, V>(points, block, change, [&](Patch<Shape, T>& patch, const Run& run) {
     Patch<Shape, T> before;
     patch.load(grid.geometry, run, grid.after);
     before.load(grid.geometry, run, grid.before);
     patch.subtract(before);
   });
   if (pic > T(0))
-    gather_values<Shape, V>(block, places, after, [&](Patch<Shape, T>& patch, const Run& run) {
+    gather_values<Shape, V>(points, block, after, [&](Patch<Shape, T>& patch, const Run& run) {
       patch.load(grid.geometry, run, grid.after);
     });
   V taken = V(0);
@@ -152,59 +151,73 @@ void strain_points(Particles<T>& points, const std::vector<Material<T>>& materia
   });
 }
 
-// x += dt sum N v_after (6).
-template <class Shape, class V, class T = number_t<V>>
-void move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, const Columns<T, 3>& places,
-                 T dt) {
-  Columns<T, 3> velocity;
-  gather_values<Shape, V>(block, places, velocity, [&](Patch<Shape, T>& patch, const Run& run) {
-    patch.load(grid.geometry, run, grid.after);
-  });
-  for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
-    const auto x = points.template vector<V>(Field::position, p, n);
-    points.set_vector(Field::position, p, x + V(dt) * velocity.template vector<V>(p - block.begin), n);
-  });
-}
-
+// What moving did to the points of a tile: whether one changed its cell, and which left through which face.
+struct Exit {
+  std::size_t point;
+  int face;
+};
 struct Relocated {
-  bool changed = false, outside = false;  // whether a point changed its cell; whether one left the grid
-
-  void absorb(const Relocated& other) {
-    changed = changed || other.changed;
-    outside = outside || other.outside;
-  }
+  bool changed = false;
+  std::vector<Exit> exits;
 };
 
-// The cells of a range of points after they moved.
-template <class Shape, class V, class Range, class T = number_t<V>>
-Relocated relocate(Particles<T>& points, const GridGeometry<T>& grid, const Range& range) {
-  const std::uint32_t plane = grid.index(1, 0, 0), row = grid.index(0, 1, 0);
-  Relocated out;
-  std::uint32_t differs = 0;
-  for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-    const auto x = points.template vector<V>(Field::position, p, n);
-    V base[3];
-    auto inside = Pack<V>::mask(true);
-    for (int a = 0; a < 3; ++a) {
-      const V xi = grid.local(x[a], a);
-      inside = inside && V(T(grid.pad)) <= xi && xi < V(T(grid.pad + grid.cells[a]));
-      base[a] = xi - V(T(Shape::offset));
-    }
-    std::uint32_t node[Pack<V>::width];
-    Pack<V>::nodes(node, base[0], base[1], base[2], plane, row);
-    if (any(!inside && first_lanes<V>(n))) {
-      out.outside = true;
-      T is_inside[Pack<V>::width];
-      Pack<V>::store(is_inside, select(inside, V(T(1)), V(T(0))));
-      for (int i = 0; i < n; ++i) node[i] = is_inside[i] > T(0) ? node[i] : gone;
-    }
-    for (int i = 0; i < n; ++i) {
-      differs |= points.cell[p + i] ^ node[i];
-      points.cell[p + i] = node[i];
-    }
+// The face behind which a point lies, or -1: `f` cells from its first node `base`. Not-a-number counts as
+// outside.
+template <class T>
+PM_HD int face_crossed(const GridGeometry<T>& grid, const int (&base)[3], const Vec3<T>& f) {
+  for (int a = 0; a < 3; ++a) {
+    const T xi = T(base[a]) + f[a];
+    if (!(xi >= T(grid.pad))) return 2 * a;
+    if (!(xi < T(grid.pad + grid.cells[a]))) return 2 * a + 1;
+  }
+  return -1;
+}
+
+// Gives a point that moved out of its stencil's reach a new one, or has it leave the grid.
+template <class Shape, class T>
+PM_NOINLINE void relocate(Particles<T>& points, const GridGeometry<T>& grid, std::size_t p,
+                          Relocated& relocated) {
+  int base[3];
+  grid.split(points.cell[p], base);
+  auto f = points.vector(Field::place, p);
+  for (int a = 0; a < 3; ++a) {
+    const T shift = std::floor(f[a] - T(Shape::offset));
+    if (!(std::abs(shift) < T(1e6))) continue;  // it has left
+    base[a] += int(shift), f[a] -= shift;
+  }
+  const int face = face_crossed(grid, base, f);
+  if (face >= 0) relocated.exits.push_back({p, face});
+  const std::uint32_t cell = face >= 0 ? gone : std::uint32_t(grid.index(base[0], base[1], base[2]));
+  relocated.changed = relocated.changed || cell != points.cell[p];
+  points.cell[p] = cell;
+  points.set_vector(Field::place, p, f);
+}
+
+// x += dt sum N v_after (6).
+template <class Shape, class V, class T = number_t<V>>
+void move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, T dt, Relocated& relocated) {
+  const auto& geometry = grid.geometry;
+  Columns<T, 3> velocity;
+  gather_values<Shape, V>(points, block, velocity, [&](Patch<Shape, T>& patch, const Run& run) {
+    patch.load(geometry, run, grid.after);
   });
-  out.changed = differs != 0;
-  return out;
+  const T cells_per_speed = dt * geometry.per_metre;
+  const V low = V(T(Shape::offset)), high = V(T(Shape::offset) + T(1));
+  const auto inside = [&](V f) PM_INLINE { return low <= f && f < high; };
+  for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+    const auto f = points.template vector<V>(Field::place, p, n) +
+                   V(cells_per_speed) * velocity.template vector<V>(p - block.begin);
+    points.set_vector(Field::place, p, f, n);
+    if (any(!(inside(f.x) && inside(f.y) && inside(f.z)) && first_lanes<V>(n)))
+      for (int i = 0; i < n; ++i) relocate<Shape>(points, geometry, p + i, relocated);
+  });
+  if (Shape::offset == 0) return;
+  // These functions reach beyond the faces: a point can leave the grid and keep its stencil.
+  for_each_run(block, [&](const Run& run) {
+    for (std::size_t p = run.begin; p < run.end; ++p)
+      if (points.cell[p] == run.node && face_crossed(geometry, run.base, points.vector(Field::place, p)) >= 0)
+        relocate<Shape>(points, geometry, p, relocated);
+  });
 }
 
 }  // namespace pockmark

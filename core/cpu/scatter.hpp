@@ -103,16 +103,18 @@ PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run, const Eight
 #undef PM_PICK
 
 template <class T>
-void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                        const Columns<T, 3>& places, const Run& run, std::vector<Quad<T>>& nodes) {
+void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
+                        std::vector<Quad<T>>& nodes) {
   const AxisWeights<T> x(0), y(1), z(2);
-  const T *mass = points.at(Field::mass), *vx = points.at(Field::velocity, 0),
-          *vy = points.at(Field::velocity, 1), *vz = points.at(Field::velocity, 2);
+  const T* mass = points.at(Field::mass);
+  const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
+          *fz = points.at(Field::place, 2);
+  const T *vx = points.at(Field::velocity, 0), *vy = points.at(Field::velocity, 1),
+          *vz = points.at(Field::velocity, 2);
   Eight<T> sum[4];
   std::size_t p = run.begin;
   do {  // a run is never empty
-    const std::size_t i = p - block.begin;
-    const auto weight = (mass[p] * x(places.load(0, i))) * (y(places.load(1, i)) * z(places.load(2, i)));
+    const auto weight = (mass[p] * x(fx[p])) * (y(fy[p]) * z(fz[p]));
     sum[0].add_scaled(vx[p], weight), sum[1].add_scaled(vy[p], weight), sum[2].add_scaled(vz[p], weight);
     sum[3].add(weight);
   } while (++p < run.end);
@@ -120,15 +122,16 @@ void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid,
 }
 
 template <class T>
-void add_internal_force_lanes(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
+void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                               const Columns<T, 6>& push, const Run& run, std::vector<Quad<T>>& nodes) {
   const AxisWeights<T> x(0), y(1), z(2);
+  const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
+          *fz = points.at(Field::place, 2);
   Eight<T> by_x[3], by_y[3], by_z[3];  // sums of the stress, but for the slope's sign along the axis
   std::size_t p = run.begin;
   do {
-    const std::size_t i = p - block.begin;
-    const auto s = [&](int c) { return push.load(c, i); };
-    const auto wx = x(places.load(0, i)), wy = y(places.load(1, i)), wz = z(places.load(2, i));
+    const auto s = [&](int c) { return push.load(c, p - block.begin); };
+    const auto wx = x(fx[p]), wy = y(fy[p]), wz = z(fz[p]);
     const auto yz = wy * wz, zx = wz * wx, xy = wx * wy;
     by_x[0].add_scaled(s(0), yz), by_x[1].add_scaled(s(3), yz), by_x[2].add_scaled(s(5), yz);
     by_y[0].add_scaled(s(3), zx), by_y[1].add_scaled(s(1), zx), by_y[2].add_scaled(s(4), zx);
@@ -148,24 +151,24 @@ void add_internal_force_lanes(const GridGeometry<T>& grid, const Block& block, c
 // The kernels that a driver with shape functions `Shape` and numbers or packs `V` uses, over a block.
 template <class Shape, class V, class T = number_t<V>>
 void scatter_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                      const Columns<T, 3>& places, std::vector<Quad<T>>& nodes) {
+                      std::vector<Quad<T>>& nodes) {
   for_each_run(block, [&](const Run& run) {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-      return add_momentum_lanes(points, grid, block, places, run, nodes);
+      return add_momentum_lanes(points, grid, run, nodes);
 #endif
-    add_momentum<Shape>(points, grid, block, places, run, nodes);
+    add_momentum<Shape>(points, grid, run, nodes);
   });
 }
 template <class Shape, class V, class T = number_t<V>>
-void scatter_force(const GridGeometry<T>& grid, const Block& block, const Columns<T, 3>& places,
+void scatter_force(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                    const Columns<T, 6>& push, std::vector<Quad<T>>& nodes) {
   for_each_run(block, [&](const Run& run) {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-      return add_internal_force_lanes(grid, block, places, push, run, nodes);
+      return add_internal_force_lanes(points, grid, block, push, run, nodes);
 #endif
-    add_internal_force<Shape>(grid, block, places, push, run, nodes);
+    add_internal_force<Shape>(points, grid, block, push, run, nodes);
   });
 }
 
