@@ -39,7 +39,7 @@ inline int mirror_sign(Face face, int face_axis, int component) {
 enum class Mirrored { vector, magnitudes };
 
 template <class T>
-void fold(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad<T>>& field, Mirrored kind) {
+void fold(const GridGeometry<T>& grid, const Faces& faces, Array<Quad<T>>& field, Mirrored kind) {
   for (int face = 0; face < 6; ++face)
     if (is_mirror(faces[face]))
       for_each_face_node(grid, face, [&](auto, auto inside, auto outside) {
@@ -53,7 +53,7 @@ void fold(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad<T>>&
 
 // Velocity components that a face holds at zero, then the values behind the face.
 template <class T>
-void constrain(const GridGeometry<T>& grid, const Faces& faces, std::vector<Quad<T>>& velocity) {
+void constrain(const GridGeometry<T>& grid, const Faces& faces, Array<Quad<T>>& velocity) {
   for (int face = 0; face < 6; ++face)
     if (is_mirror(faces[face]))
       for_each_face_node(grid, face, [&](auto on, auto inside, auto outside) {

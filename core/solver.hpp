@@ -235,7 +235,7 @@ class Solver {
   }
 
   void clear() {
-    const auto zero = [](std::vector<Quad<T>>& field, std::size_t begin, std::size_t end) {
+    const auto zero = [](Array<Quad<T>>& field, std::size_t begin, std::size_t end) {
       std::fill(field.begin() + begin, field.begin() + end, Quad<T>{});
     };
     tiles_.for_each_line(grid_.geometry, threads_, true, [&](int, std::size_t begin, std::size_t end) {
@@ -271,7 +271,7 @@ class Solver {
       if (dot(grid_.damping[node].vector(), grid_.damping[node].vector()) > T(0)) damped_.push_back(node);
   }
 
-  void momentum_to_velocity(std::vector<Quad<T>>& field) {
+  void momentum_to_velocity(Array<Quad<T>>& field) {
     tiles_.for_each_line(grid_.geometry, threads_, false, [&](int, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         if (field[i].v[3] > T(0)) field[i].set_vector((T(1) / field[i].v[3]) * field[i].vector());
@@ -281,7 +281,7 @@ class Solver {
   // Stress from a nodal velocity, if there is one, and the forces of the stress, if they are wanted: block by
   // block, while its points are in the cache.
   template <class K>
-  void stress_and_forces(const std::vector<Quad<T>>* velocity, bool forces) {
+  void stress_and_forces(const Array<Quad<T>>* velocity, bool forces) {
     // USAVG strains by half a step here, pays it with the new stress, and by half after the forces
     // (move()).
     const bool average = options_.scheme == Scheme::usavg;
@@ -338,7 +338,7 @@ class Solver {
     constrain(grid_.geometry, faces_, grid_.after);
   }
 
-  void account_for_absorbed(const std::vector<Quad<T>>& final) {
+  void account_for_absorbed(const Array<Quad<T>>& final) {
     for (const std::size_t node : damped_)
       if (grid_.mass(node) > T(0))
         absorbed_ += double(absorbed_energy(grid_.before[node].vector(), grid_.after[node].vector(),
@@ -474,7 +474,7 @@ class Solver {
   std::vector<Relocated> relocated_;  // of each tile in the last move
   std::vector<Exit> outside_;         // points that were put outside the grid
   std::vector<std::size_t> damped_;   // nodes of transmitting faces
-  std::vector<Quad<T>> damped_after_;
+  Array<Quad<T>> damped_after_;
   std::size_t live_ = 0, sorted_runs_ = 0, disorder_ = 0;
   bool refresh_damping_ = true;
   Audit audit_;     // of the whole run

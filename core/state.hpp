@@ -3,9 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <vector>
 
+#include "array.hpp"
 #include "fields.hpp"
 #include "tensor.hpp"
 
@@ -29,21 +29,6 @@ PM_HD PointState<V> select(M m, const PointState<V>& a, const PointState<V>& b) 
           select(m, a.damage, b.damage),
           select(m, a.deviator, b.deviator)};
 }
-
-// Arrays on cache lines of their own: a pack that starts at a multiple of its width never straddles two.
-template <class T>
-struct AlignedAllocator {
-  using value_type = T;
-  static constexpr std::align_val_t line{64};
-  AlignedAllocator() = default;
-  template <class U>
-  AlignedAllocator(const AlignedAllocator<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), line)); }
-  void deallocate(T* at, std::size_t) { ::operator delete(at, line); }
-  friend bool operator==(const AlignedAllocator&, const AlignedAllocator&) { return true; }
-};
-template <class T>
-using Array = std::vector<T, AlignedAllocator<T>>;
 
 // The cell of a point that has left the grid.
 inline constexpr std::uint32_t gone = UINT32_MAX;
@@ -173,10 +158,10 @@ struct GridGeometry {
 template <class T>
 struct Grid {
   GridGeometry<T> geometry;
-  std::vector<Quad<T>> before;    // momentum, then velocity, before the forces act; mass
-  std::vector<Quad<T>> after;     // internal force, then velocity after it acted
-  std::vector<Quad<T>> damping;   // transmitting faces: sum of rho c A, an entry a direction (kg/s)
-  std::vector<Quad<T>> remapped;  // the points' new velocity mapped back (MUSL, USAVG)
+  Array<Quad<T>> before;    // momentum, then velocity, before the forces act; mass
+  Array<Quad<T>> after;     // internal force, then velocity after it acted
+  Array<Quad<T>> damping;   // transmitting faces: sum of rho c A, an entry a direction (kg/s)
+  Array<Quad<T>> remapped;  // the points' new velocity mapped back (MUSL, USAVG)
 
   T mass(std::size_t node) const { return before[node].v[3]; }
   void allocate(const GridGeometry<T>& g) {

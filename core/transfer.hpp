@@ -74,7 +74,7 @@ struct Patch {
       for (int j = 0; j < S; ++j)
         for (int k = 0; k < S; ++k) f(i, j, k);
   }
-  PM_HD void load(const GridGeometry<T>& grid, const Run& run, const std::vector<Quad<T>>& nodes) {
+  PM_HD void load(const GridGeometry<T>& grid, const Run& run, const Array<Quad<T>>& nodes) {
     const Quad<T>* first = nodes.data() + run.node;
     for_each([&](int i, int j, int k) { at[i][j][k] = first[grid.index(i, j, k)]; });
   }
@@ -84,7 +84,7 @@ struct Patch {
   PM_HD void subtract(const Patch& other) {
     for_each([&](int i, int j, int k) { at[i][j][k].v -= other.at[i][j][k].v; });
   }
-  PM_HD void add_to(const GridGeometry<T>& grid, const Run& run, std::vector<Quad<T>>& nodes) const {
+  PM_HD void add_to(const GridGeometry<T>& grid, const Run& run, Array<Quad<T>>& nodes) const {
     Quad<T>* first = nodes.data() + run.node;
     for_each([&](int i, int j, int k) { first[grid.index(i, j, k)] += at[i][j][k]; });
   }
@@ -172,7 +172,7 @@ class Interpolant<Linear<T>, T> {
 // The rate of strain (columns 0 to 5) and the spin (6 to 8) of a nodal velocity at the points of a block.
 template <class Shape, class V, class T>
 void gather_gradient(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                     const std::vector<Quad<T>>& nodes, Columns<T, 9>& out) {
+                     const Array<Quad<T>>& nodes, Columns<T, 9>& out) {
   for_each_run(block, [&](const Run& run) {
     Patch<Shape, T> patch;
     patch.load(grid, run, nodes);
@@ -213,7 +213,7 @@ void gather_values(const Particles<T>& points, const Block& block, Columns<T, 3>
 // Momentum and mass of the points.
 template <class Shape, class T>
 void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                  std::vector<Quad<T>>& nodes) {
+                  Array<Quad<T>>& nodes) {
   Patch<Shape, T> patch;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);
@@ -243,7 +243,7 @@ PM_HD void store_push(Columns<T, 6>& push, std::size_t i, const PointState<V>& p
 // f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
 template <class Shape, class T>
 void add_internal_force(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                        const Columns<T, 6>& push, const Run& run, std::vector<Quad<T>>& nodes) {
+                        const Columns<T, 6>& push, const Run& run, Array<Quad<T>>& nodes) {
   Patch<Shape, T> force;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);

@@ -73,7 +73,7 @@ struct AxisWeights {
 // components a node.
 template <class T>
 PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run, const Eight<T> (&sum)[4],
-                        std::vector<Quad<T>>& nodes) {
+                        Array<Quad<T>>& nodes) {
   Quad<T>* const first = nodes.data() + run.node;
   for (int i = 0; i < 2; ++i) {
     Quad<T>* at[2] = {first + grid.index(i, 0, 0), first + grid.index(i, 1, 0)};
@@ -104,7 +104,7 @@ PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run, const Eight
 
 template <class T>
 void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                        std::vector<Quad<T>>& nodes) {
+                        Array<Quad<T>>& nodes) {
   const AxisWeights<T> x(0), y(1), z(2);
   const T* mass = points.at(Field::mass);
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
@@ -123,7 +123,7 @@ void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid,
 
 template <class T>
 void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                              const Columns<T, 6>& push, const Run& run, std::vector<Quad<T>>& nodes) {
+                              const Columns<T, 6>& push, const Run& run, Array<Quad<T>>& nodes) {
   const AxisWeights<T> x(0), y(1), z(2);
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
           *fz = points.at(Field::place, 2);
@@ -151,7 +151,7 @@ void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>&
 // The kernels that a driver with shape functions `Shape` and numbers or packs `V` uses, over a block.
 template <class Shape, class V, class T = number_t<V>>
 void scatter_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                      std::vector<Quad<T>>& nodes) {
+                      Array<Quad<T>>& nodes) {
   for_each_run(block, [&](const Run& run) {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
@@ -162,7 +162,7 @@ void scatter_momentum(const Particles<T>& points, const GridGeometry<T>& grid, c
 }
 template <class Shape, class V, class T = number_t<V>>
 void scatter_force(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                   const Columns<T, 6>& push, std::vector<Quad<T>>& nodes) {
+                   const Columns<T, 6>& push, Array<Quad<T>>& nodes) {
   for_each_run(block, [&](const Run& run) {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
