@@ -11,9 +11,9 @@
 
 namespace pockmark {
 
-// A pass reads twenty arrays side by side: in small pages each is another entry in the translation buffers, and starting
-// at the same place of a page they would compete for the same few lines of the cache. So large arrays begin in a huge
-// page, each a little farther into it than the last.
+// A pass reads twenty arrays side by side: in small pages each is another entry in the translation buffers,
+// and starting at the same place of a page they would compete for the same few lines of the cache. So large
+// arrays begin in a huge page, each a little farther into it than the last.
 template <class T>
 struct ArrayAllocator {
   using value_type = T;

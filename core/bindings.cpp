@@ -69,7 +69,7 @@ nb::object to_array(std::vector<V> values, std::size_t rows, std::size_t columns
 // the states after it and the sound speed.
 struct StressProbe {
   static constexpr int in = 13, out = 14;
-  static constexpr Field fields[7]{Field::ratio,     Field::energy,         Field::pressure,
+  static constexpr Field fields[7]{Field::dilation,  Field::energy,         Field::pressure,
                                    Field::viscosity, Field::plastic_strain, Field::temperature,
                                    Field::damage};
 
@@ -82,13 +82,13 @@ struct StressProbe {
     Particles<double> points;
     points.resize(n);
     std::vector<double> rows(out * n);
-    const auto scale = [&](int c) { return c == 0 ? reference_volume : 1.0; };
     const auto component = [&](int c, std::size_t p) -> double& {
       return c < 7 ? points.at(fields[c])[p] : points.at(Field::deviator, c - 7)[p];
     };
     for (std::size_t p = 0; p < n; ++p) {
       points.at(Field::mass)[p] = mass;
-      for (int c = 0; c < in; ++c) component(c, p) = states.data()[p * in + c] / scale(c);
+      for (int c = 0; c < in; ++c) component(c, p) = states.data()[p * in + c];
+      component(0, p) = component(0, p) / reference_volume - 1;
     }
     const auto update = [&](Particles<double>& of, std::size_t begin, std::size_t end) {
       const Block block{begin, end, true, 0, nullptr};
@@ -105,8 +105,10 @@ struct StressProbe {
     for (std::size_t p = 0; p < n; ++p) rows[p * out + in] = update(alone, p, p + 1);
     for (std::size_t begin = 0; begin < n; begin += Block::most)
       update(points, begin, std::min(begin + Block::most, n));
-    for (std::size_t p = 0; p < n; ++p)
-      for (int c = 0; c < in; ++c) rows[p * out + c] = component(c, p) * scale(c);
+    for (std::size_t p = 0; p < n; ++p) {
+      component(0, p) = (1 + component(0, p)) * reference_volume;
+      for (int c = 0; c < in; ++c) rows[p * out + c] = component(c, p);
+    }
     return rows;
   }
 
@@ -145,10 +147,14 @@ const FieldInfo& field_named(const std::string& name) {
   throw std::invalid_argument("no field is named '" + name + "'");
 }
 
-// What a field as a user knows it is in units of what the core keeps: 1, but for the volume, kept as V/V0.
+// A field between what the core keeps and what a user knows: the same, but for the volume, kept as V/V0 - 1.
 template <class T>
-double user_scale(const Solver<T>& solver, Field field, std::size_t p) {
-  return field == Field::ratio ? solver.reference_volume(p) : 1.0;
+double to_user(const Solver<T>& solver, Field field, std::size_t p, double kept) {
+  return field == Field::dilation ? (1 + kept) * solver.reference_volume(p) : kept;
+}
+template <class T>
+double from_user(const Solver<T>& solver, Field field, std::size_t p, double given) {
+  return field == Field::dilation ? given / solver.reference_volume(p) - 1 : given;
 }
 
 // A field of the points that have not left.
@@ -177,7 +183,7 @@ nb::object get_field(const Solver<T>& solver, const std::string& name) {
     });
   }
   return rows(0.0, info.components, [&](std::size_t p, int c) {
-    return double(points.at(info.field, c)[p]) * user_scale(solver, info.field, p);
+    return to_user(solver, info.field, p, double(points.at(info.field, c)[p]));
   });
 }
 
@@ -191,7 +197,7 @@ void set_field(Solver<T>& solver, const std::string& name, Doubles values) {
   const double* value = values.data();
   solver.for_each_point([&](std::size_t p) {
     for (int c = 0; c < info.components; ++c)
-      points.at(info.field, c)[p] = T(*value++ / user_scale(solver, info.field, p));
+      points.at(info.field, c)[p] = T(from_user(solver, info.field, p, *value++));
   });
 }
 
@@ -212,10 +218,10 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
     const double* x = position.data() + 3 * i;
     solver.place(p, {x[0], x[1], x[2]});
     for (int a = 0; a < 3; ++a) points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
-    // Points at the density of their material are kept with V/V0 = 1 exactly: they have no stress at all.
+    // Points at the density of their material are kept with V/V0 - 1 = 0 exactly: they have no stress at all.
     const double density = materials[body.data()[i]].template as<double>().density();
     points.at(Field::mass)[p] = T(mass.data()[i]);
-    points.at(Field::ratio)[p] = T(volume.data()[i] * density / mass.data()[i]);
+    points.at(Field::dilation)[p] = T(volume.data()[i] * density / mass.data()[i] - 1);
     points.at(Field::temperature)[p] = T(materials[body.data()[i]].t_room);
     points.body[p] = body.data()[i];
     points.id[p] = std::uint32_t(p);
@@ -308,6 +314,8 @@ void bind_solver(nb::module_& m, const char* name) {
              return d;
            })
       .def("max_compression", [](const S& s) { return s.solver.audit().compression; })
+      .def_prop_ro("sorts", [](const S& s) { return s.solver.sorts(); })
+      .def_prop_ro("sleeping_points", [](const S& s) { return s.solver.sleeping_points(); })
       .def("timers", [](const S& s) { return s.solver.timers().seconds(); })
       .def("memory_bytes", [](const S& s) {
         const std::size_t n = s.solver.points().size(), nodes = s.solver.grid().before.size();

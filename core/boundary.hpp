@@ -98,7 +98,8 @@ void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, 
       f[axis] = T(layer + face % 2 - base[axis]);
       const Stencil<Shape, T> n(f, geometry.per_metre);
       const auto& damper = dampers[points.body[p]];
-      const T volume = points.at(Field::ratio)[p] * points.at(Field::mass)[p] * damper.specific_volume;
+      const T volume =
+          (T(1) + points.at(Field::dilation)[p]) * points.at(Field::mass)[p] * damper.specific_volume;
       const T area = volume * geometry.per_metre;
       Quad<T> per_direction;
       for (int a = 0; a < 3; ++a) per_direction.v[a] = a == axis ? damper.normal : damper.tangential;

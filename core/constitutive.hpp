@@ -47,14 +47,14 @@ struct Material {
 // Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0.
 template <class V>
 PM_HD V stress_power(const PointState<V>& point, const Sym3<V>& rate) {
-  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) * point.ratio;
+  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) *
+         point.ratio();
 }
 
-// Of a volume through a volumetric strain, taken at mid-step.
+// Takes V/V0 - 1 through a volumetric strain: V1 = V (1 + a/2)/(1 - a/2), then (V + V1)/2 a = V1 - V exactly.
 template <class V>
-PM_HD V stretch(V strain) {
-  const V half = V(0.5) * strain;
-  return (V(1) + half) / (V(1) - half);
+PM_HD V dilated(V dilation, V strain) {
+  return dilation + (V(1) + dilation) * strain / (V(1) - V(0.5) * strain);
 }
 
 // The deviator after an elastic strain and its spin.
@@ -69,7 +69,7 @@ template <class V, class T>
 PM_HD void strain_elastically(const Material<T>& material, PointState<V>& point, const VelocityGradient<V>& L,
                               T dt) {
   point.energy += dt * stress_power(point, L.strain_rate);
-  point.ratio *= stretch(dt * trace(L.strain_rate));
+  point.dilation = dilated(point.dilation, dt * trace(L.strain_rate));
   const auto intact = point.damage < V(1);
   point.deviator = select(intact, strained(point.deviator, L, material.shear_modulus(), dt), point.deviator);
 }
@@ -92,7 +92,7 @@ struct StressUpdate {
   PM_HD Mask strain(PointState<V>& point, const VelocityGradient<V>& L, Mask active, Tally<V>& tally) const {
     if (old_share > T(0)) point.energy += old_share * dt * stress_power(point, L.strain_rate);
     const V rate = trace(L.strain_rate);
-    point.ratio *= stretch(dt * rate);
+    point.dilation = dilated(point.dilation, dt * rate);
     tally.volumetric_rate = select(active, max(tally.volumetric_rate, absolute(rate)), tally.volumetric_rate);
     point.deviator = select(point.damage < V(1), strained(point.deviator, L, material.shear_modulus(), dt),
                             Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
@@ -112,17 +112,17 @@ struct StressUpdate {
     const V flow = trial - T(3) * material.shear_modulus() * increment;
     point.deviator = select(yields, flow / select(yields, trial, V(1)), V(1)) * point.deviator;
     point.plastic_strain += increment;
-    tally.plastic_work += select(yields, flow * increment * (point.ratio * reference_volume), V(0));
+    tally.plastic_work += select(yields, flow * increment * (point.ratio() * reference_volume), V(0));
     return select(yields, increment, V(0));
   }
 
   // Returns the square of the sound speed.
   PM_HD V press(PointState<V>& point, const Sym3<V>& strain_rate, V reference_volume, Mask active,
                 Tally<V>& tally) const {
-    const V ratio = point.ratio, compression = V(1) / ratio;
+    const V ratio = point.ratio(), compression = V(1) / ratio;
     const V rate = trace(strain_rate), strain = dt * rate;
-    const auto isochore =
-        material.eos.visit([&](const auto& e) PM_INLINE { return e.at(compression - V(1), ratio); });
+    const auto isochore = material.eos.visit(
+        [&](const auto& e) PM_INLINE { return e.at(-point.dilation * compression, ratio); });
     tally.count(Counter::eos_caps, active && isochore.capped);
     tally.compression = select(active, max(tally.compression, compression), tally.compression);
 
@@ -160,7 +160,7 @@ struct StressUpdate {
 
     // Plastic work to heat: dT = chi sigma d eps / (rho C_p).
     const T heat = material.taylor_quinney * material.specific_volume / material.specific_heat;
-    point.temperature += select(yields, heat * flow * plastic * point.ratio, V(0));
+    point.temperature += select(yields, heat * flow * plastic * point.ratio(), V(0));
     if (!may_fail) return;
     const auto melted = yields && V(material.t_melt) <= point.temperature;
     tally.count(Counter::melted_points, melted);

@@ -170,6 +170,14 @@ class Solver {
   double reference_volume(std::size_t p) const {
     return double(points_.at(Field::mass)[p]) * double(materials_[points_.body[p]].specific_volume);
   }
+  std::int64_t sorts() const { return sorts_; }  // how often points were put in the order of the cells
+  std::size_t sleeping_points() const {
+    std::size_t sum = 0;
+    for (int tile = 0; tile < tiles_.count(); ++tile)
+      if (tiles_.sleeps(tile))
+        tiles_.for_each_block(tile, [&](int, const Block& block) { sum += block.end - block.begin; });
+    return sum;
+  }
   std::size_t live_points() const { return live_; }
 
  private:
@@ -410,7 +418,7 @@ class Solver {
         const auto point = points_.state(p);
         const auto v = points_.vector(Field::velocity, p);
         all = v.x == T(0) && v.y == T(0) && v.z == T(0) && effective(point.deviator) == T(0) &&
-              point.ratio == T(1) && point.energy == T(0) && point.pressure == T(0) &&
+              point.dilation == T(0) && point.energy == T(0) && point.pressure == T(0) &&
               point.viscosity == T(0);
       }
     });
@@ -424,6 +432,7 @@ class Solver {
     split<K>([](int) { return true; });
     sorted_runs_ = tiles_.run_count(), disorder_ = 0;
     refresh_damping_ = true;
+    ++sorts_;
   }
 
   void account_for(const Exit& exit) {
@@ -481,7 +490,7 @@ class Solver {
   Audit extremes_;  // of the last stress update
   Departed departed_;
   double time_ = 0, next_time_ = 0, dt_ = 0, first_dt_ = 0;
-  std::int64_t cycle_ = 0;
+  std::int64_t cycle_ = 0, sorts_ = 0;
   double initial_ = 0, absorbed_ = 0, pic_energy_ = 0;
 };
 

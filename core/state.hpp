@@ -14,13 +14,15 @@ namespace pockmark {
 // One material point as the constitutive update sees it.
 template <class V>
 struct PointState {
-  V ratio;  // V/V0 = rho0/rho
+  V dilation;  // V/V0 - 1: small strains keep all their digits
   V energy, pressure, viscosity, plastic_strain, temperature, damage;
   Sym3<V> deviator;
+
+  PM_HD V ratio() const { return V(1) + dilation; }  // V/V0 = rho0/rho
 };
 template <class M, class V>
 PM_HD PointState<V> select(M m, const PointState<V>& a, const PointState<V>& b) {
-  return {select(m, a.ratio, b.ratio),
+  return {select(m, a.dilation, b.dilation),
           select(m, a.energy, b.energy),
           select(m, a.pressure, b.pressure),
           select(m, a.viscosity, b.viscosity),
@@ -81,7 +83,7 @@ struct Particles {
   }
   template <class V = T>
   PM_HD PointState<V> state(std::size_t p, int n = Pack<V>::width) const {
-    return {load<V>(Field::ratio, p, n),          load<V>(Field::energy, p, n),
+    return {load<V>(Field::dilation, p, n),       load<V>(Field::energy, p, n),
             load<V>(Field::pressure, p, n),       load<V>(Field::viscosity, p, n),
             load<V>(Field::plastic_strain, p, n), load<V>(Field::temperature, p, n),
             load<V>(Field::damage, p, n),         deviator<V>(p, n)};
@@ -94,7 +96,7 @@ struct Particles {
   }
   template <class V>
   PM_HD void store_strained(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) {
-    Pack<V>::store(at(Field::ratio) + p, s.ratio, n);
+    Pack<V>::store(at(Field::dilation) + p, s.dilation, n);
     Pack<V>::store(at(Field::energy) + p, s.energy, n);
     store_deviator(p, s, n);
   }

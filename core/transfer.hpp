@@ -234,7 +234,7 @@ void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const
 template <class V, class T>
 PM_HD void store_push(Columns<T, 6>& push, std::size_t i, const PointState<V>& point, V reference_volume,
                       int n) {
-  const V volume = -(point.ratio * reference_volume), mean = point.pressure + point.viscosity;
+  const V volume = -(point.ratio() * reference_volume), mean = point.pressure + point.viscosity;
   const auto& s = point.deviator;
   const V stress[6] = {s.xx - mean, s.yy - mean, s.zz - mean, s.xy, s.yz, s.zx};
   for (int c = 0; c < 6; ++c) push.store(c, i, volume * stress[c], n);

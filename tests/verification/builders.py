@@ -1,12 +1,15 @@
 """Small builders that the verification tests share."""
 
 import numpy as np
+import pytest
 
 import pockmark._core as core
 
 THREADS = 1  # these are small: more threads only wait for each other
 FREE, SYMMETRY, FIXED = core.Face.free, core.Face.symmetry, core.Face.fixed
 TRANSMITTING = core.Face.transmitting
+
+PRECISIONS = pytest.mark.parametrize("single", [False, True], ids=["fp64", "fp32"])
 
 # Al 2024 as the paper has it.
 RHO, C0, S, GAMMA0 = 2770.0, 5330.0, 1.34, 2.0

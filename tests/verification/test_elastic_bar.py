@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from builders import FIXED, FREE, SYMMETRY, elastic, lattice, options, solver
+from builders import FIXED, FREE, PRECISIONS, SYMMETRY, elastic, lattice, options, solver
 
 YOUNG, DENSITY, LENGTH = 100.0, 1.0, 25.0
 OMEGA = np.pi / 2 / LENGTH * np.sqrt(YOUNG / DENSITY)  # 0.628319
 AMPLITUDE = 1e-4  # of the wave speed: linear
 
 
-def frequency(cells, scheme, shape):
+def frequency(cells, scheme, shape, single=False):
     """Angular frequency of the mean velocity over one period, from its zero crossings."""
     h = LENGTH / cells
     points = lattice((0, 0, 0), (2 * cells, 1, 1), (h / 2, h, h))
@@ -23,6 +23,7 @@ def frequency(cells, scheme, shape):
         [elastic(YOUNG, 0.0, DENSITY)],
         options(scheme, shape, cfl=0.2),
         [(points, v, h**3 / 2, DENSITY, 0)],
+        single=single,
     )
     period = 2 * np.pi / OMEGA
     times, momenta = [0.0], [s.ledger()["momentum_x"]]
@@ -38,9 +39,10 @@ def frequency(cells, scheme, shape):
 
 
 @pytest.mark.parametrize("scheme", ["usf", "musl", "usavg"])
-def test_frequency_converges(scheme):
+@PRECISIONS
+def test_frequency_converges(scheme, single):
     cells = (8, 16, 32)
-    errors = [frequency(n, scheme, "trilinear") / OMEGA - 1 for n in cells]
+    errors = [frequency(n, scheme, "trilinear", single) / OMEGA - 1 for n in cells]
     rates = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
     print(
         f"{scheme}: frequency off by {', '.join(f'{e:+.3e}' for e in errors)} for {cells} cells; rates {rates.round(2)}"

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import FREE, elastic, lattice, options, solver
+from builders import FREE, PRECISIONS, elastic, lattice, options, solver
 
 YOUNG, NU, DENSITY = 73e9, 0.33, 2770.0
 SPEED = np.sqrt(YOUNG / DENSITY)
@@ -11,7 +11,8 @@ SCHEMES = [("usf", "trilinear"), ("musl", "trilinear"), ("usavg", "trilinear"), 
 
 
 @pytest.mark.parametrize(("scheme", "shape"), SCHEMES)
-def test_free_flight(scheme, shape):
+@PRECISIONS
+def test_free_flight(scheme, shape, single):
     """A block crosses cells at constant velocity: no stress, no change of velocity."""
     velocity = np.array([310.0, -170.0, 90.0])
     points = lattice((10 * H, 10 * H, 10 * H), (8, 8, 8), H / 2)
@@ -23,6 +24,7 @@ def test_free_flight(scheme, shape):
         [elastic(YOUNG, NU, DENSITY)],
         options(scheme, shape),
         [(points, np.tile(velocity, (len(points), 1)), H**3 / 8, DENSITY, 0)],
+        single=single,
     )
     time = 4 * H / 310.0
     s.advance(10**6, time)
@@ -31,12 +33,13 @@ def test_free_flight(scheme, shape):
     drift = np.abs(s.field("velocity") - velocity).max() / 310.0
     stress = np.abs(s.field("deviator")).max() / YOUNG
     print(f"{scheme} {shape}: {s.cycle} steps, velocity drift {drift:.1e}, stress {stress:.1e} E")
-    assert np.allclose(moved, velocity * time, rtol=1e-10)
-    assert drift < 1e-10
-    assert stress < 1e-10
+    tolerance = 1e-4 if single else 1e-10
+    assert np.allclose(moved, velocity * time, rtol=tolerance)
+    assert drift < tolerance
+    assert stress < tolerance
 
 
-def spun(radius, scheme, shape):
+def spun(radius, scheme, shape, single):
     """Relative changes of angular momentum and kinetic energy of a ball (radius in points) after a quarter turn."""
     axis = np.arange(-radius, radius) + 0.5
     ball = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -53,6 +56,7 @@ def spun(radius, scheme, shape):
         [elastic(YOUNG, NU, DENSITY)],
         options(scheme, shape, cfl=0.5),
         [(ball + centre, v, H**3 / 8, DENSITY, 0)],
+        single=single,
     )
 
     def spin():
@@ -66,9 +70,10 @@ def spun(radius, scheme, shape):
 
 
 @pytest.mark.parametrize(("scheme", "shape"), SCHEMES)
-def test_rigid_spin(scheme, shape):
+@PRECISIONS
+def test_rigid_spin(scheme, shape, single):
     """A lumped mass matrix brakes a spinning ball through its surface nodes: the loss falls with the cell."""
-    coarse, fine = spun(6, scheme, shape), spun(12, scheme, shape)
+    coarse, fine = spun(6, scheme, shape, single), spun(12, scheme, shape, single)
     print(
         f"{scheme} {shape}: radius 3 and 6 cells: angular momentum {coarse[0]:+.3f}, {fine[0]:+.3f}; "
         f"kinetic {coarse[1]:+.3f}, {fine[1]:+.3f}; ledger {fine[2]:+.1e}"
@@ -76,4 +81,4 @@ def test_rigid_spin(scheme, shape):
     assert abs(fine[0]) < 0.6 * abs(coarse[0])
     assert abs(fine[0]) < 0.1
     if scheme == "usavg":
-        assert abs(fine[2]) < 1e-9
+        assert abs(fine[2]) < (1e-4 if single else 1e-9)

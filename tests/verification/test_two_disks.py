@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import FREE, SYMMETRY, elastic, lattice, options, solver
+from builders import FREE, PRECISIONS, SYMMETRY, elastic, lattice, options, solver
 
 YOUNG, NU, DENSITY, RADIUS = 1000.0, 0.3, 1000.0, 0.2
 H = 1 / 40
@@ -25,7 +25,8 @@ def disks():
     ("scheme", "shape"),
     [("usf", "trilinear"), ("musl", "trilinear"), ("usavg", "trilinear"), ("usavg", "quadratic")],
 )
-def test_two_disks(scheme, shape):
+@PRECISIONS
+def test_two_disks(scheme, shape, single):
     s = solver(
         (-0.1, -0.1, 0),
         H,
@@ -34,6 +35,7 @@ def test_two_disks(scheme, shape):
         [elastic(YOUNG, NU, DENSITY)],
         options(scheme, shape),
         disks(),
+        single=single,
     )
     initial = s.ledger()["kinetic"]
     assert initial / H == pytest.approx(KINETIC, rel=0.01)  # the disks are made of squares
@@ -54,6 +56,6 @@ def test_two_disks(scheme, shape):
     assert CONTACT - 0.3 < contact < CONTACT + 0.05
     assert kinetic.min() < 0.6
     assert 0.8 < kinetic[-1] <= 1.0
-    assert momentum < 1e-12
+    assert momentum < (1e-4 if single else 1e-12)
     # USAVG to round-off; USF gained 4.7 % and MUSL lost 1.2 %: first order in the step (docs/theory.md).
-    assert abs(ledger["error"]) / initial < (1e-9 if scheme == "usavg" else 0.1)
+    assert abs(ledger["error"]) / initial < ((1e-4 if single else 1e-9) if scheme == "usavg" else 0.1)

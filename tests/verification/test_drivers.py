@@ -1,0 +1,106 @@
+"""However the core walks the points, the result is the same: lanes or one by one, asleep or awake, one thread or two."""
+
+import numpy as np
+import pytest
+from builders import FREE, RHO, TRANSMITTING, core, solver
+from test_conservation import aluminium
+
+from pockmark.bench import bench_scene
+from pockmark.simulation import Simulation
+
+H = 4e-6
+FIELDS = ("position", "velocity", "volume", "energy", "pressure", "viscosity", "deviator", "damage")
+SHAPES = pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
+SCHEMES = pytest.mark.parametrize("scheme", ["usf", "musl", "usl", "usavg"])
+
+
+def cloud(scheme, shape, lanes, *, single=False, seed=3):
+    """Random points of two bodies: runs of every length, lone points, empty cells, packs that hold both bodies."""
+    rng = np.random.default_rng(seed)
+    n, cells = 1500, (9, 17, 7)
+    # Squared, so that some cells are crowded and some empty.
+    x = (rng.random((n, 3)) ** 2 * (np.array(cells) - 1.0) + 0.5) * H
+    v = rng.normal(size=(n, 3)) * 50
+    body = rng.integers(0, 2, n)
+    options = core.Options(
+        scheme=getattr(core.Scheme, scheme),
+        shape=getattr(core.ShapeFunction, shape),
+        cfl=0.5,
+        strain_limit=0.2,
+        pic_fraction=0.02,
+        mass_cutoff=0.0,
+        lanes=lanes,
+        sleep=True,
+    )
+    bodies = [(x[body == b], v[body == b], H**3 / 8, RHO, b) for b in (0, 1)]
+    s = solver(
+        (0, 0, 0),
+        H,
+        cells,
+        [TRANSMITTING, FREE, FREE, TRANSMITTING, FREE, FREE],
+        [aluminium(), aluminium()],
+        options,
+        bodies,
+        single=single,
+    )
+    s.advance(6, 1.0)
+    order = np.argsort(s.field("id"))
+    return {name: s.field(name)[order] for name in FIELDS}
+
+
+@pytest.mark.skipif(not core.build_info()["lanes"], reason="this core has one driver only")
+@SHAPES
+@SCHEMES
+@pytest.mark.parametrize(("single", "tolerance"), [(False, 1e-11), (True, 3e-3)], ids=["fp64", "fp32"])
+def test_lanes_agree_with_the_scalar_driver_on_random_points(scheme, shape, single, tolerance):
+    one_by_one, lanes = (cloud(scheme, shape, lanes, single=single) for lanes in (False, True))
+    worst = 0.0
+    for name, want in one_by_one.items():
+        scale = np.abs(want).max()
+        if scale > 0:
+            worst = max(worst, np.abs(lanes[name] - want).max() / scale)
+    print(f"{scheme} {shape} {'fp32' if single else 'fp64'}: largest difference {worst:.1e} of a field's largest")
+    assert worst < tolerance
+
+
+@SHAPES
+@pytest.mark.parametrize("scheme", ["usf", "musl", "usavg"])
+def test_sleep_changes_no_bit(scheme, shape):
+    """An impact on a target larger than its waves have come: what sleeps would have stayed as it was."""
+    scene = bench_scene(
+        60_000, (f"numerics.scheme={scheme}", f"numerics.shape_functions={shape}", "impact.speed=4000")
+    )
+    runs, asleep = [], []
+    for sleep in (False, True):
+        simulation = Simulation(scene, 1, sleep=sleep)
+        for _ in range(12):
+            simulation.advance(1.0, max_steps=1)
+            asleep.append(simulation._solver.sleeping_points)
+        runs.append(simulation)
+    share = np.array(asleep[12:]) / runs[0].points
+    print(f"{scheme} {shape}: {share[0]:.0%} asleep after a step, {share[-1]:.0%} after twelve")
+    assert not any(asleep[:12])
+    assert share[0] > 0.2
+    assert share[-1] < share[0]
+    for name in FIELDS:
+        assert np.array_equal(runs[0].field(name), runs[1].field(name)), name
+    assert runs[0].ledger() == runs[1].ledger()
+    assert runs[0].counters() == runs[1].counters()
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_threads_change_no_bit_of_an_impact(precision):
+    """Through sorts, points that leave, and tiles that wake."""
+    scene = bench_scene(20_000, (f"numerics.precision={precision}", "impact.speed=6000"))
+    runs = []
+    for threads in (1, 2, 2):
+        simulation = Simulation(scene, threads)
+        simulation.advance(60e-9)
+        runs.append(simulation)
+    left = runs[0].counters()["left_points"]
+    print(f"{precision}: {runs[0].steps} steps, {runs[0]._solver.sorts} sorts, {left} points left")
+    assert runs[0]._solver.sorts > 2
+    for other in runs[1:]:
+        for name in FIELDS:
+            assert np.array_equal(runs[0].field(name), other.field(name)), name
+        assert runs[0].ledger() == other.ledger()
