@@ -1,65 +1,113 @@
-"""Rates of the step on this machine: `python benchmarks/run.py [--only NAME]` keeps a row a case in rates.csv."""
+"""Rates of the step on this machine, a row a case in CSV: `python benchmarks/run.py [cases|growth|age] [--only NAME]`.
+
+cases: schemes, precisions, threads, instruction sets (rates.csv). growth: from a quarter to 8 million points
+(growth.csv). age: through the whole of a run, in which debris spreads (age.csv).
+"""
 
 import argparse
 import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
 from campaign import keep
 
+from pockmark import Scene, Simulation
+
 HERE = Path(__file__).parent
-QUADRATIC = "numerics.shape_functions=quadratic"
-CASES: dict[str, tuple[str, list[str]]] = {
+QUADRATIC = ["--set", "numerics.shape_functions=quadratic"]
+USF, MUSL, USL = (["--set", f"numerics.scheme={scheme}"] for scheme in ("usf", "musl", "usl"))
+SINGLE, TWO = ["--precision", "single"], ["--threads", "2"]
+CASES: dict[str, tuple[str, list[str]]] = {  # instruction set, arguments
+    "usf": ("", USF),
+    "usf, two threads": ("", [*USF, *TWO]),
+    "usf, single": ("", [*USF, *SINGLE]),
+    "usf, AVX2": ("avx2", USF),
+    "usf, plain x86-64": ("scalar", USF),
     "usavg": ("", []),
-    "usavg, two threads": ("", ["--threads", "2"]),
-    "usavg, single": ("", ["--precision", "single"]),
-    "usf": ("", ["--set", "numerics.scheme=usf"]),
-    "usf, two threads": ("", ["--set", "numerics.scheme=usf", "--threads", "2"]),
-    "usf, single": ("", ["--set", "numerics.scheme=usf", "--precision", "single"]),
-    "musl": ("", ["--set", "numerics.scheme=musl"]),
-    "usavg, quadratic": ("", ["--set", QUADRATIC]),
-    "usf, quadratic": ("", ["--set", "numerics.scheme=usf", "--set", QUADRATIC]),
+    "usavg, two threads": ("", TWO),
+    "usavg, single": ("", SINGLE),
+    "usavg, single, two threads": ("", [*SINGLE, *TWO]),
     "usavg, AVX2": ("avx2", []),
-    "usf, AVX2": ("avx2", ["--set", "numerics.scheme=usf"]),
     "usavg, plain x86-64": ("scalar", []),
+    "musl": ("", MUSL),
+    "usf, quadratic": ("", [*USF, *QUADRATIC]),
+    "usavg, quadratic": ("", QUADRATIC),
 }
+GROWTH = [250_000, 500_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000]
+
+
+def bench(isa: str, arguments: list[str]) -> dict[str, Any]:
+    """The figures of `pockmark bench` in a process of its own, on one thread unless told."""
+    threads = [] if "--threads" in arguments else ["--threads", "1"]
+    done = subprocess.run(
+        [sys.executable, "-m", "pockmark", "bench", "--json", *threads, *arguments],
+        env=os.environ | ({"POCKMARK_ISA": isa} if isa else {}),
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    result = json.loads(done.stdout)
+    row = {
+        "isa": result["isa"],
+        "points": result["points"],
+        "M_particle_steps_s": f"{result['particle_steps_per_second'] / 1e6:.2f}",
+        "scalar_driver_M": f"{result.get('scalar_particle_steps_per_second', 0) / 1e6:.2f}",
+        "copy_GB_s": f"{result['copy_bandwidth'] / 1e9:.1f}",
+        "share_of_copy": f"{result['share_of_copy_bandwidth']:.2f}",
+        "bytes_per_point": f"{result['bytes_per_point'] + result['grid_bytes_per_point']:.0f}",
+    }
+    return row | {f"{phase}_ns": f"{p['ns_per_point']:.1f}" for phase, p in result["phases"].items()}
+
+
+def cases(only: list[str] | None) -> Iterator[dict[str, Any]]:
+    """Model 1 of Table 2, case by case."""
+    for name, (isa, arguments) in CASES.items():
+        if not only or name in only:
+            yield {"case": name} | bench(isa, [*arguments, "--points", "252112"])
+
+
+def growth(only: list[str] | None) -> Iterator[dict[str, Any]]:
+    """The same impact in ever smaller cells."""
+    for points in GROWTH:
+        name = f"{points / 1e6:g} million"
+        if not only or name in only:
+            yield {"case": name} | bench("", ["--points", str(points)])
+
+
+def age(only: list[str] | None) -> Iterator[dict[str, Any]]:
+    """Rates in windows of 10 ns along whole runs, on one thread."""
+    for example in ("normal-2200", "group-4500"):
+        if only and example not in only:
+            continue
+        simulation = Simulation(Scene.load(HERE.parent / "examples" / f"{example}.toml"), 1)
+        for start in (5, 50, 100, 200, 300, 400, 490):
+            simulation.advance(start * 1e-9)
+            work, seconds, sorts = simulation.point_steps, simulation.stepping_seconds, simulation.sorts
+            steps = simulation.advance((start + 10) * 1e-9)
+            rate = (simulation.point_steps - work) / (simulation.stepping_seconds - seconds)
+            yield {
+                "case": f"{example} from {start} ns",
+                "points": simulation.points,
+                "M_particle_steps_s": f"{rate / 1e6:.2f}",
+                "steps_per_sort": f"{steps / max(simulation.sorts - sorts, 1):.0f}",
+            }
 
 
 def main() -> None:
-    """Run the cases, one process each, on one thread unless the case says two."""
+    """Run what is asked for and keep the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("what", nargs="?", choices=["cases", "growth", "age"], default="cases")
     parser.add_argument("--only", action="append")
-    parser.add_argument("--points", default="252112")
     options = parser.parse_args()
-    for name, (isa, arguments) in CASES.items():
-        if options.only and name not in options.only:
-            continue
-        threads = [] if "--threads" in arguments else ["--threads", "1"]
-        command = [sys.executable, "-m", "pockmark", "bench", "--json", "--points", options.points]
-        done = subprocess.run(
-            [*command, *threads, *arguments],
-            env=os.environ | ({"POCKMARK_ISA": isa} if isa else {}),
-            check=True,
-            capture_output=True,
-            text=True,
-        )
-        result = json.loads(done.stdout)
-        row = {
-            "case": name,
-            "isa": result["isa"],
-            "points": result["points"],
-            "M_particle_steps_s": f"{result['particle_steps_per_second'] / 1e6:.2f}",
-            "scalar_driver_M": f"{result.get('scalar_particle_steps_per_second', 0) / 1e6:.2f}",
-            "copy_GB_s": f"{result['copy_bandwidth'] / 1e9:.1f}",
-            "share_of_copy": f"{result['share_of_copy_bandwidth']:.2f}",
-            "bytes_per_point": f"{result['bytes_per_point']:.0f}",
-        }
-        row |= {f"{phase}_ns": f"{p['ns_per_point']:.1f}" for phase, p in result["phases"].items()}
+    rows = {"cases": cases, "growth": growth, "age": age}[options.what](options.only)
+    for row in rows:
         print(row, flush=True)
-        keep(HERE / "rates.csv", row)
+        keep(HERE / {"cases": "rates.csv", "growth": "growth.csv", "age": "age.csv"}[options.what], row)
 
 
 if __name__ == "__main__":

@@ -101,6 +101,16 @@ class Simulation:
         """Seconds spent in each phase of the step."""
         return dict(self._solver.timers())
 
+    @property
+    def sorts(self) -> int:
+        """How often the points were put in the order of the cells."""
+        return int(self._solver.sorts)
+
+    @property
+    def sleeping_points(self) -> int:
+        """Points that a step passes over, because nothing near them has moved yet."""
+        return int(self._solver.sleeping_points)
+
     def memory(self) -> dict[str, int]:
         """Bytes of the points and of the grid."""
         return dict(self._solver.memory_bytes())

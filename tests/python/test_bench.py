@@ -22,6 +22,7 @@ def test_bench_prints_figures_that_hang_together():
     assert result["share_of_copy_bandwidth"] == pytest.approx(result["traffic"] / result["copy_bandwidth"])
     assert ("lanes_over_scalar" in result) == core.build_info()["lanes"]
     assert result["bytes_per_point"] <= 250
+    assert set(result["phases"]) >= {"clear", "p2g", "boundary", "stress", "momentum", "g2p", "move", "sort"}
 
 
 @pytest.mark.skipif(not core.build_info()["lanes"], reason="this core has one driver only")

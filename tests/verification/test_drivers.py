@@ -59,7 +59,9 @@ def test_lanes_agree_with_the_scalar_driver_on_random_points(scheme, shape, sing
         scale = np.abs(want).max()
         if scale > 0:
             worst = max(worst, np.abs(lanes[name] - want).max() / scale)
-    print(f"{scheme} {shape} {'fp32' if single else 'fp64'}: largest difference {worst:.1e} of a field's largest")
+    print(
+        f"{scheme} {shape} {'fp32' if single else 'fp64'}: largest difference {worst:.1e} of a field's largest"
+    )
     assert worst < tolerance
 
 
@@ -75,7 +77,7 @@ def test_sleep_changes_no_bit(scheme, shape):
         simulation = Simulation(scene, 1, sleep=sleep)
         for _ in range(12):
             simulation.advance(1.0, max_steps=1)
-            asleep.append(simulation._solver.sleeping_points)
+            asleep.append(simulation.sleeping_points)
         runs.append(simulation)
     share = np.array(asleep[12:]) / runs[0].points
     print(f"{scheme} {shape}: {share[0]:.0%} asleep after a step, {share[-1]:.0%} after twelve")
@@ -98,8 +100,8 @@ def test_threads_change_no_bit_of_an_impact(precision):
         simulation.advance(60e-9)
         runs.append(simulation)
     left = runs[0].counters()["left_points"]
-    print(f"{precision}: {runs[0].steps} steps, {runs[0]._solver.sorts} sorts, {left} points left")
-    assert runs[0]._solver.sorts > 2
+    print(f"{precision}: {runs[0].steps} steps, {runs[0].sorts} sorts, {left} points left")
+    assert runs[0].sorts > 2
     for other in runs[1:]:
         for name in FIELDS:
             assert np.array_equal(runs[0].field(name), other.field(name)), name

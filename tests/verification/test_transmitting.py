@@ -5,7 +5,18 @@ Elastic packets of tiny amplitude, so that nothing but the boundary and the disc
 
 import numpy as np
 import pytest
-from builders import FREE, PRECISIONS, SYMMETRY, TRANSMITTING, by_id, elastic, lattice, options, set_by_id, solver
+from builders import (
+    FREE,
+    PRECISIONS,
+    SYMMETRY,
+    TRANSMITTING,
+    by_id,
+    elastic,
+    lattice,
+    options,
+    set_by_id,
+    solver,
+)
 
 NU, RHO, CD = 0.33, 1000.0, 1000.0
 LAMBDA_2G = RHO * CD**2
