@@ -15,7 +15,8 @@ from . import __version__
 from .bench import bench as run_bench
 from .bench import bench_scene
 from .errors import PockmarkError
-from .run import forecast, measure_run, plot_run, run_scene
+from .forecast import forecast
+from .run import measure_run, plot_run, run_scene
 from .scene import Scene
 
 app = typer.Typer(

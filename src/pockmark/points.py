@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .bodies import Block, Sphere
 from .errors import PockmarkError
-from .scene import Block, Scene, Sphere
+from .scene import Scene
 
 Array = NDArray[np.float64]
 

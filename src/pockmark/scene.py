@@ -1,6 +1,5 @@
 """The scene: everything a user decides about a run, SI inside. The defaults of pockmark live here."""
 
-import difflib
 import hashlib
 import itertools
 import json
@@ -12,11 +11,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, model_validator
 
+from .bodies import Block, Body, Sphere, Vector, overlap
 from .errors import PockmarkError
 from .materials import Material, Model, complete, merge
+from .sentences import sentence
+from .toml import to_toml
 from .units import Angle, Length, Number, Speed, Time
 
-Vector = tuple[Length, Length, Length]
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
 MAX_CELLS = 2**31  # what the core can number, with its rim of extra nodes
@@ -70,51 +71,6 @@ class Boundary(Model):
     def faces(self) -> tuple[FaceKind, ...]:
         """The six faces in the core's order."""
         return (self.x_lower, self.x_upper, self.y_lower, self.y_upper, self.z_lower, self.z_upper)
-
-
-class Block(Model):
-    """A brick of material between two corners."""
-
-    shape: Literal["block"]
-    name: str
-    material: str
-    spacing: Annotated[Length, Field(gt=0)]
-    projectile: bool = False
-    lower: Vector
-    upper: Vector
-
-    @model_validator(mode="after")
-    def _has_size(self) -> Self:
-        if min(u - w for w, u in zip(self.lower, self.upper, strict=True)) <= 0:
-            raise ValueError("upper must exceed lower in each direction")
-        return self
-
-    @property
-    def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners, m."""
-        return self.lower, self.upper
-
-
-class Sphere(Model):
-    """A ball of material. Its radius is rounded to a whole number of point spacings."""
-
-    shape: Literal["sphere"]
-    name: str
-    material: str
-    spacing: Annotated[Length, Field(gt=0)]
-    projectile: bool = False
-    center: Vector
-    radius: Annotated[Length, Field(gt=0)]
-
-    @property
-    def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners of the ball's bounding box, m."""
-        x, y, z = self.center
-        r = self.radius
-        return (x - r, y - r, z - r), (x + r, y + r, z + r)
-
-
-Body = Annotated[Block | Sphere, Field(discriminator="shape")]
 
 
 class Impact(Model):
@@ -186,7 +142,7 @@ class Scene(Model):
             merged["materials"] = _materials_used(merged)
             return cls.model_validate(merged)
         except ValidationError as error:
-            raise PockmarkError(f"{source}: {_sentence(error)}") from None
+            raise PockmarkError(f"{source}: {sentence(error)}") from None
         except PockmarkError as error:
             raise PockmarkError(f"{source}: {error}") from None
 
@@ -201,7 +157,7 @@ class Scene(Model):
                 raise ValueError(f"{key}: two bodies have this name")
             self._check_inside(key, b)
         for (i, a), (j, b) in itertools.combinations(enumerate(self.body), 2):
-            if _overlap(a, b):
+            if overlap(a, b):
                 raise ValueError(f"body[{j}] '{b.name}': overlaps body[{i}] '{a.name}'")
         return self
 
@@ -229,7 +185,7 @@ class Scene(Model):
 
     def to_toml(self) -> str:
         """The scene as TOML with every default written out, SI numbers."""
-        return _toml(self.to_dict())
+        return to_toml(self.to_dict())
 
     def save(self, path: str | Path) -> None:
         """Write to_toml() to a file."""
@@ -288,81 +244,3 @@ def _materials_used(table: Mapping[str, Any]) -> dict[str, Any]:
         bodies = []  # validation tells
     names = [b["material"] for b in bodies if isinstance(b, Mapping) and isinstance(b.get("material"), str)]
     return {name: complete(name, written.get(name)) for name in dict.fromkeys([*names, *written])}
-
-
-def _overlap(a: Block | Sphere, b: Block | Sphere) -> bool:
-    """Whether two bodies share more than a surface."""
-    if isinstance(a, Sphere) and isinstance(b, Sphere):
-        return math.dist(a.center, b.center) < (a.radius + b.radius) * (1 - 1e-9)
-    if isinstance(a, Block) and isinstance(b, Block):
-        gaps = [
-            max(al, bl) - min(au, bu)
-            for al, au, bl, bu in zip(a.lower, a.upper, b.lower, b.upper, strict=True)
-        ]
-        return max(gaps) < -1e-9 * max(a.spacing, b.spacing)
-    sphere, block = (a, b) if isinstance(a, Sphere) else (b, a)
-    assert isinstance(sphere, Sphere)
-    assert isinstance(block, Block)
-    nearest = [min(max(c, w), u) for c, w, u in zip(sphere.center, block.lower, block.upper, strict=True)]
-    return math.dist(nearest, sphere.center) < sphere.radius * (1 - 1e-9)
-
-
-def _sentence(error: ValidationError) -> str:
-    """The first fault of a validation as one sentence: key, what was found, what is allowed."""
-    first = error.errors()[0]
-    key = _key(first["loc"])
-    kind, message, found = first["type"], first["msg"].removeprefix("Value error, "), first.get("input")
-    if kind == "extra_forbidden":
-        near = difflib.get_close_matches(str(first["loc"][-1]), _all_keys(), n=1)
-        return f"{key}: unknown key" + (f", did you mean '{near[0]}'?" if near else "")
-    if kind == "missing":
-        return f"{key}: is missing"
-    if kind == "value_error":
-        return f"{key}: {message}" if key else message
-    return f"{key}: found {found!r}, {message[0].lower()}{message[1:]}"
-
-
-def _key(location: tuple[int | str, ...]) -> str:
-    """("body", 0, "block", "radius") as "body[0].radius"."""
-    tags = {"block", "sphere", "mie-gruneisen", "linear", "johnson-cook", "elastic", "fluid"}
-    out = ""
-    for i, part in enumerate(location):
-        if isinstance(part, int):
-            out += f"[{part}]"
-        elif not (part in tags and i > 0):
-            out += f".{part}" if out else part
-    return out
-
-
-def _all_keys() -> list[str]:
-    models: list[type[Model]] = [Scene, Grid, Boundary, Block, Sphere, Impact, Numerics, Output, Material]
-    return sorted({key for model in models for key in model.model_fields})
-
-
-def _toml(table: Mapping[str, Any], prefix: str = "") -> str:
-    """Minimal TOML writer for the plain tables of a scene (tomllib only reads)."""
-    lines = [f"{k} = {_toml_value(v)}" for k, v in table.items() if not _is_table(v)]
-    for key, value in table.items():
-        path = f"{prefix}{json.dumps(key) if not key.replace('-', '').replace('_', '').isalnum() else key}"
-        if isinstance(value, Mapping):
-            lines += ["", f"[{path}]", _toml(value, f"{path}.").rstrip("\n")]
-        elif _is_table(value):
-            for item in value:
-                lines += ["", f"[[{path}]]", _toml(item, f"{path}.").rstrip("\n")]
-    return "\n".join(lines).lstrip("\n") + "\n"
-
-
-def _is_table(value: Any) -> bool:
-    return isinstance(value, Mapping) or (
-        isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
-    )
-
-
-def _toml_value(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        return repr(value) if math.isfinite(value) else str(value)
-    if isinstance(value, list):
-        return "[" + ", ".join(_toml_value(v) for v in value) + "]"
-    return json.dumps(value)

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, measure
-from pockmark.run import forecast, run_scene
+from pockmark.forecast import forecast
+from pockmark.run import run_scene
 from pockmark.store import RunFolder, read_snapshot
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"

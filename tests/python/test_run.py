@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation, measure
-from pockmark.run import forecast, run_scene
+from pockmark.forecast import forecast
+from pockmark.run import run_scene
 from pockmark.store import RunFolder, read_snapshot
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene
+from pockmark.bodies import Block, Sphere
 from pockmark.materials import library
 from pockmark.points import lattice, make_points
-from pockmark.scene import Block, Sphere
 from pockmark.units import to_si
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
