@@ -7,15 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .crater import Crater, measure_crater, target_surface
+from .scene import Mirror
 
 
 def crater_of(
-    snapshot: Mapping[str, NDArray[Any]], *, target_bodies: Sequence[int], spacing: float, half: bool
+    snapshot: Mapping[str, NDArray[Any]],
+    *,
+    target_bodies: Sequence[int],
+    spacing: float,
+    mirrors: Sequence[Mirror],
 ) -> Crater | None:
     """The crater in a snapshot of all points; None if there is none."""
     is_target = np.isin(snapshot["body"], target_bodies)
     surface = target_surface(
-        snapshot["position"][is_target], snapshot["volume"][is_target], spacing, half=half
+        snapshot["position"][is_target], snapshot["volume"][is_target], spacing, mirrors=mirrors
     )
     return measure_crater(surface, spacing=spacing)
 

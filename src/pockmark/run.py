@@ -132,7 +132,10 @@ def _crater(folder: RunFolder, scene: Scene) -> Crater | None:
     if not scene.targets:
         return None
     return results.crater_of(
-        folder.last_snapshot(), target_bodies=scene.targets, spacing=_target_spacing(scene), half=scene.half
+        folder.last_snapshot(),
+        target_bodies=scene.targets,
+        spacing=_target_spacing(scene),
+        mirrors=scene.mirrors,
     )
 
 

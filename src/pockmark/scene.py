@@ -6,6 +6,7 @@ import json
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -71,6 +72,15 @@ class Boundary(Model):
     def faces(self) -> tuple[FaceKind, ...]:
         """The six faces in the core's order."""
         return (self.x_lower, self.x_upper, self.y_lower, self.y_upper, self.z_lower, self.z_upper)
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """A symmetry plane at coordinate `at` (m) of an axis; `above`: it is the upper face of what is computed."""
+
+    axis: int
+    at: float
+    above: bool
 
 
 class Impact(Model):
@@ -207,9 +217,13 @@ class Scene(Model):
         return tuple(i for i, b in enumerate(self.body) if not b.projectile)
 
     @property
-    def half(self) -> bool:
-        """Whether y = 0 is a symmetry plane and half of the space is computed."""
-        return self.boundary.y_lower == "symmetry" and self.grid.lower[1] == 0.0
+    def mirrors(self) -> tuple[Mirror, ...]:
+        """The symmetry planes across the surface; what lies behind them is not computed."""
+        return tuple(
+            Mirror(i // 2, at=(self.grid.lower, self.grid.corner)[i % 2][i // 2], above=bool(i % 2))
+            for i, kind in enumerate(self.boundary.faces[:4])
+            if kind == "symmetry"
+        )
 
 
 def _check_laws(name: str, material: Material) -> None:
