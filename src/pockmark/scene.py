@@ -157,6 +157,14 @@ class Scene(Model):
             raise PockmarkError(f"{source}: {error}") from None
 
     @model_validator(mode="after")
+    def _can_be_saved(self) -> Self:
+        try:
+            self.to_toml().encode()
+        except UnicodeEncodeError as error:
+            raise ValueError(f"found {error.object[error.start]!r} in a text, expected Unicode") from None
+        return self
+
+    @model_validator(mode="after")
     def _bodies_fit(self) -> Self:
         for name, material in self.materials.items():
             _check_laws(name, material)

@@ -25,6 +25,7 @@ SLIPS = [
     ("grid.cell=1e-30", "grid: a cell of 1e-30 m makes"),
     ("end_time=inf", "end_time: found inf"),
     ("impact.speed=inf", "impact.speed: found inf"),
+    ("title='\udcff'", "found '\\udcff' in a text, expected Unicode"),
     ("materials=3", "materials: found 3, expected a table"),
     (f"{ALUMINIUM}=3", f"{ALUMINIUM}: found 3, expected a table"),
     (f"{ALUMINIUM}.based_on=['a']", f"{ALUMINIUM}.based_on: found"),

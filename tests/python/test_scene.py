@@ -23,6 +23,19 @@ def test_a_saved_scene_is_the_same_scene(path, tmp_path):
     assert Scene.load(tmp_path / "again.toml") == scene
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["aluminium 2024", "Stahl-\u00fc", "\U0001d50cl", "a.b", 'say "x"', "tab\there", "\x7f", "", "\u00b2"],
+)
+def test_a_scene_with_any_name_is_read_back(name, tmp_path):
+    table = Scene.load(EXAMPLES / "quick.toml").to_dict()
+    table["title"] = table["body"][0]["name"] = table["body"][0]["material"] = name
+    table["materials"][name] = table["materials"]["al2024-liu2015"]
+    scene = Scene.from_dict(table)
+    scene.save(tmp_path / "again.toml")
+    assert Scene.load(tmp_path / "again.toml") == scene
+
+
 def test_model_1_is_the_papers():
     scene = Scene.load(EXAMPLES / "normal-2200.toml")
     points = make_points(scene)
