@@ -18,6 +18,7 @@ from .errors import PockmarkError
 from .forecast import forecast
 from .run import measure_run, plot_run, run_scene
 from .scene import Scene
+from .simulation import thread_count
 
 app = typer.Typer(
     help="Craters of micron-sized particles at kilometres per second, by the material point method.",
@@ -33,11 +34,7 @@ Overrides = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Change a key, e.g. impact.speed='4 km/s'."),
 ]
-Threads = Annotated[int, typer.Option(min=0, help="Threads; 0 takes every core.")]
-
-
-def _threads(threads: int) -> int:
-    return threads or len(os.sched_getaffinity(0))
+Threads = Annotated[int, typer.Option(help="Threads; 0 takes every core.")]
 
 
 @app.command()
@@ -53,9 +50,9 @@ def run(
     loaded = Scene.load(scene, overrides or ())
     path = output or Path("runs") / scene.stem
     if not quiet:
-        expected = forecast(loaded, _threads(threads))
+        expected = forecast(loaded, thread_count(threads))
         console.print(f"{expected.points:,} points, {expected.cells:,} cells, about {expected.steps:,} steps")
-    folder, finished = run_scene(loaded, path, threads=_threads(threads), force=force, progress=not quiet)
+    folder, finished = run_scene(loaded, path, threads=thread_count(threads), force=force, progress=not quiet)
     _print_result(measure_run(folder.path))
     for picture in plot_run(folder.path):
         console.print(f"wrote {picture}")
@@ -68,13 +65,13 @@ def run(
 def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -> None:
     """Points, cells, steps, memory and time of a scene, before anything runs."""
     loaded = Scene.load(scene, overrides or ())
-    expected = forecast(loaded, _threads(threads))
+    expected = forecast(loaded, thread_count(threads))
     table = Table(show_header=False, title=loaded.title or str(scene))
     table.add_row("points", f"{expected.points:,}")
     table.add_row("cells", f"{expected.cells:,}")
     table.add_row("steps, about", f"{expected.steps:,}")
     table.add_row("memory", f"{expected.memory / 2**20:,.0f} MiB")
-    table.add_row("time, about", f"{expected.seconds:,.0f} s on {_threads(threads)} threads")
+    table.add_row("time, about", f"{expected.seconds:,.0f} s on {thread_count(threads)} threads")
     console.print(table)
     for warning in expected.warnings:
         console.print(f"[yellow]warning:[/yellow] {warning}")
@@ -113,7 +110,7 @@ def bench(
 ) -> None:
     """How fast the step is here: a fixed impact with the full physics, phase by phase."""
     scene = bench_scene(points, (f"numerics.precision={precision}", *(overrides or ())))
-    result = run_bench(scene, _threads(threads))
+    result = run_bench(scene, thread_count(threads))
     if as_json:
         print(json.dumps(result, indent=2))
         return

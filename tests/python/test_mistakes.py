@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pockmark import PockmarkError, Scene, measure
+from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.forecast import forecast
 from pockmark.run import run_scene
 from pockmark.store import RunFolder, read_snapshot
@@ -43,6 +43,12 @@ def test_a_slip_is_one_sentence(override, sentence):
     assert message.startswith(f"{QUICK}: ")
     assert sentence in message
     assert "\n" not in message
+
+
+@pytest.mark.parametrize("threads", [-1, 100_000, 10**30])
+def test_threads_are_bounded(threads):
+    with pytest.raises(PockmarkError, match=f"threads: found {threads}, allowed are 1 to "):
+        Simulation(Scene.load(QUICK), threads)
 
 
 def test_another_model_replaces_the_library_s():

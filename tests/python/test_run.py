@@ -126,6 +126,7 @@ def test_forecast_warns():
     [
         (["run", "nowhere.toml"], "nowhere.toml: cannot be read"),
         (["run", QUICK, "--set", "grid.cell='1 kg'"], "grid.cell: found '1 kg', expected a quantity in m"),
+        (["run", QUICK, "--threads", "-2"], "threads: found -2, allowed are 1 to"),
         (["run", QUICK, "-o", "{taken}"], "is not empty and holds no run"),
         (["measure", "{taken}"], "is not a run folder"),
         (["plot", "{taken}"], "is not a run folder"),
