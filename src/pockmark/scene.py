@@ -14,7 +14,8 @@ from pydantic import Field, ValidationError, model_validator
 
 from .bodies import Block, Body, Sphere, Vector, overlap
 from .errors import PockmarkError
-from .materials import Material, Model, complete, merge
+from .materials import Material, Model, complete
+from .overrides import override
 from .sentences import sentence
 from .toml import to_toml
 from .units import Angle, Length, Number, Speed, Time
@@ -128,27 +129,27 @@ class Scene(Model):
     output: Output = Output()
 
     @classmethod
-    def load(cls, path: str | Path, overrides: Sequence[str] = ()) -> "Scene":
-        """Read a TOML scene; `overrides` are texts "key.key=value". Raises PockmarkError."""
+    def load(cls, path: str | Path, overrides: str | Sequence[str] = ()) -> "Scene":
+        """Read a TOML scene; `overrides` are texts "key.key=value", or one such. Raises PockmarkError."""
         try:
             table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
         except OSError as error:
             raise PockmarkError(f"{path}: cannot be read ({error.strerror})") from None
         except UnicodeDecodeError:
             raise PockmarkError(f"{path}: is not a text file") from None
-        except tomllib.TOMLDecodeError as error:
+        except (ValueError, RecursionError) as error:  # not only TOMLDecodeError: a number of 5000 digits
             raise PockmarkError(f"{path}: is not TOML ({error})") from None
         return cls.from_dict(table, source=str(path), overrides=overrides)
 
     @classmethod
     def from_dict(
-        cls, table: Mapping[str, Any], *, source: str = "scene", overrides: Sequence[str] = ()
+        cls, table: Mapping[str, Any], *, source: str = "scene", overrides: str | Sequence[str] = ()
     ) -> "Scene":
         """Build a scene from a table as TOML gives it. Raises PockmarkError naming `source` and the key."""
         try:
             merged = dict(table)
-            for text in overrides:
-                merged = merge(merged, _override(text))
+            for text in [overrides] if isinstance(overrides, str) else overrides:
+                merged = override(merged, text)
             merged["materials"] = _materials_used(merged)
             return cls.model_validate(merged)
         except ValidationError as error:
@@ -240,20 +241,6 @@ def _check_laws(name: str, material: Material) -> None:
         material.to_core()
     except ValueError as error:
         raise ValueError(f"materials.{name}: {error}") from None
-
-
-def _override(text: str) -> dict[str, Any]:
-    """ "a.b=value" as nested tables; the value is TOML, or else a plain text."""
-    key, equals, value = text.partition("=")
-    if not equals or not key.strip():
-        raise PockmarkError(f"--set {text}: expected key=value")
-    try:
-        out: Any = tomllib.loads(f"v = {value}")["v"]
-    except tomllib.TOMLDecodeError:
-        out = value.strip()
-    for part in reversed(key.strip().split(".")):
-        out = {part: out}
-    return dict(out)
 
 
 def _materials_used(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -91,6 +91,17 @@ def test_every_library_material_is_valid_and_cited():
         scene.materials[name].to_core()
 
 
+@pytest.mark.parametrize("body", ["1", "projectile"])
+def test_a_body_is_changed_by_place_or_name(body):
+    scene = Scene.load(EXAMPLES / "quick.toml", [f"body.{body}.radius='5 um'", f"body.{body}.spacing=1e-6"])
+    assert (scene.body[1].radius, scene.body[1].spacing) == (5e-6, 1e-6)
+    assert scene.body[0] == Scene.load(EXAMPLES / "quick.toml").body[0]
+
+
+def test_one_override_may_be_a_plain_text():
+    assert Scene.load(EXAMPLES / "quick.toml", "impact.speed=1000").impact.speed == 1000
+
+
 def _block(material: str) -> str:
     return (
         f'{{name="b", shape="block", material="{material}", spacing=5e-6, '
@@ -114,6 +125,7 @@ MISTAKES = [
     ("numerics.scheme=mpm", "numerics.scheme: found 'mpm', input should be 'usf', 'musl', 'usl' or 'usavg'"),
     ("end_time='0 s'", "end_time: found '0 s'"),
     ("materials.x.based_on=unobtainium", "materials.x.based_on: found 'unobtainium'"),
+    ("body.2.radius=1", "body.2: found no such body, allowed are 0 to 1 and target, projectile"),
     ("nonsense", "--set nonsense: expected key=value"),
     ("grid=3", "grid: found 3"),
     ("materials.al2024-liu2015.eos.c0='5 kg'", "eos.c0: found '5 kg', expected a quantity in m/s"),
