@@ -54,36 +54,64 @@ def _point_count(scene: Scene, index: int) -> int:
 
 def warnings(scene: Scene) -> list[str]:
     """What a careful analyst would ask about this scene."""
-    out = []
+    out = _impact_warnings(scene)
     for i, body in enumerate(scene.body):
-        lower, upper = body.box
-        if isinstance(body, Sphere) and round(2 * body.radius / body.spacing) < 4:
-            out.append(f"body[{i}] '{body.name}': fewer than 4 points across the sphere")
-        per_cell = scene.grid.cell / body.spacing
-        if per_cell < 2:
-            out.append(
-                f"body[{i}] '{body.name}': {per_cell:.2g} points a cell along an axis; 2 is the usual least"
-            )
-        if abs(off := _surface_offset(body)) > 0.01 * body.spacing:
-            out.append(
-                f"body[{i}] '{body.name}': its points' surface lies {off * 1e6:+.3g} um from the written one, as its "
-                "spacing does not divide its size"
-            )
-        if not body.projectile:
-            continue
-        diameter = upper[2] - lower[2]
-        for axis, name in ((0, "x"), (1, "y")):
-            faces = (scene.boundary.faces[2 * axis], scene.boundary.faces[2 * axis + 1])
-            gaps = (lower[axis] - scene.grid.lower[axis], scene.grid.corner[axis] - upper[axis])
-            near = [g for g, f in zip(gaps, faces, strict=True) if f != "symmetry" and g < 2 * diameter]
-            if near:
-                out.append(
-                    f"body[{i}] '{body.name}': {min(near) * 1e6:.3g} um from a face along {name}, less than two "
-                    "diameters; the crater may feel it"
-                )
+        said = _lattice_warnings(body, scene)
+        if body.projectile:
+            said += _face_warnings(body, scene)
+        out += [f"body[{i}] '{body.name}': {text}" for text in said]
     for name in dict.fromkeys(b.material for b in scene.body):
         out += _failure_warning(name, scene)
     return out
+
+
+def _impact_warnings(scene: Scene) -> list[str]:
+    """Whether there is an impact at all, and where its depth is measured from."""
+    out = []
+    if not scene.projectiles:
+        out.append("no body is marked projectile = true: nothing moves")
+    elif scene.impact.speed == 0:
+        out.append("impact.speed is 0: nothing moves")
+    tops = [scene.body[i].box[1][2] for i in scene.targets]
+    if not any(abs(top) <= 0.01 * scene.grid.cell for top in tops):
+        found = ", ".join(f"{top * 1e6:.4g} um" for top in tops) or "no target"
+        out.append(f"no target's top lies at z = 0, where the crater is measured from (found {found})")
+    return out
+
+
+def _lattice_warnings(body: Block | Sphere, scene: Scene) -> list[str]:
+    """Whether the points are enough for the body and the grid, and lie where the body is written."""
+    out = []
+    if isinstance(body, Sphere) and round(2 * body.radius / body.spacing) < 4:
+        out.append("fewer than 4 points across the sphere")
+    per_cell = scene.grid.cell / body.spacing
+    if per_cell < 2:
+        out.append(f"{per_cell:.2g} points a cell along an axis; 2 is the usual least")
+    if abs(off := _surface_offset(body)) > 0.01 * body.spacing:
+        out.append(
+            f"its points' surface lies {off * 1e6:+.3g} um from the written one, as its spacing does not divide its size"
+        )
+    return out
+
+
+def _face_warnings(projectile: Block | Sphere, scene: Scene) -> list[str]:
+    """Faces, the one under the target included, that lie closer than two diameters."""
+    lower, upper = projectile.box
+    diameter = upper[2] - lower[2]
+    faces, mirrored = ("x_lower", "x_upper", "y_lower", "y_upper"), [(m.axis, m.above) for m in scene.mirrors]
+    gaps = {}
+    for i, face in enumerate(faces):
+        axis, above = i // 2, bool(i % 2)
+        if (axis, above) not in mirrored:
+            gaps[face] = (
+                scene.grid.corner[axis] - upper[axis] if above else lower[axis] - scene.grid.lower[axis]
+            )
+    gaps["z_lower, under the target's surface"] = -scene.grid.lower[2]
+    return [
+        f"{gap * 1e6:.3g} um from the face {face}, less than two diameters; the crater may feel it"
+        for face, gap in gaps.items()
+        if gap < 2 * diameter
+    ]
 
 
 def _surface_offset(body: Block | Sphere) -> float:

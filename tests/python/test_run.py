@@ -122,6 +122,31 @@ def test_forecast_warns():
 
 
 @pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ([], None),
+        (["impact.speed=0"], "impact.speed is 0: nothing moves"),
+        (["body.1.projectile=false"], "no body is marked projectile = true"),
+        (["body.0.upper=['50 um', '50 um', '-5 um']"], "no target's top lies at z = 0"),
+        (
+            ["body.0.projectile=true"],
+            "no target's top lies at z = 0, where the crater is measured from (found no target)",
+        ),
+        (["grid.lower=['-50 um', '0 um', '-35 um']"], "35 um from the face z_lower"),
+        (["grid.lower=['-45 um', '0 um', '-50 um']"], "35 um from the face x_lower"),
+    ],
+)
+def test_check_warns_of_a_scene_that_measures_something_else(changes, sentence):
+    table = Scene.load(QUICK, [f"grid.lower={[-50e-6, 0.0, -50e-6]}"]).to_dict()
+    table["body"][0]["lower"] = [-45e-6, 0.0, -35e-6]
+    said = forecast(Scene.from_dict(table, overrides=changes), 1).warnings
+    print(said)
+    assert (
+        any(sentence in w for w in said) if sentence else not any("face" in w or "moves" in w for w in said)
+    )
+
+
+@pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
         (["run", "nowhere.toml"], "nowhere.toml: cannot be read"),
