@@ -41,10 +41,13 @@ class Surface:
 
 @dataclass(frozen=True)
 class Crater:
-    """Depth C_p of the bottom below z = 0, diameter D_c of the circle of the pithead's area, volume; m, m^3."""
+    """Depth C_p of the bottom below z = 0, diameter D_c of the circle of the pithead's area, volume; m, m^3.
+
+    `diameter` is None where no closed edge lies around the bottom.
+    """
 
     depth: float
-    diameter: float
+    diameter: float | None
     volume: float
     bottom: tuple[float, float]
 
@@ -152,7 +155,7 @@ def measure_crater(surface: Surface, *, spacing: float) -> Crater | None:
     labels, _ = ndimage.label(inner < -0.1 * spacing)
     inside = labels == labels[i, j]
     volume = float(-inner[inside].sum()) * spacing**2
-    diameter = 2 * float(np.sqrt(pithead / np.pi))
+    diameter = 2 * float(np.sqrt(pithead / np.pi)) if pithead > 0 else None
     return Crater(depth, diameter, volume, (float(surface.x[i]), float(surface.y[j])))
 
 

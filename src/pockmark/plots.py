@@ -91,16 +91,19 @@ def _mark_depth(axes: Axes, crater: Crater | None) -> None:
 def history_figure(history: Fields) -> Figure:
     """Energies, ledger error and crater depth against time."""
     time, initial = history["time"] * 1e9, history["initial"]
+    # Without an initial energy there are no shares of it.
+    shares = bool(initial.all())
+    scale = initial if shares else 1.0
     figure = Figure(figsize=(8, 9), layout="constrained")
     FigureCanvasAgg(figure)
     energy, error, depth = figure.subplots(3, 1, sharex=True)
     for name in ("kinetic", "internal", "absorbed"):
-        energy.plot(time, history[name] / initial, label=name)
-    energy.plot(time, (history["left_kinetic"] + history["left_internal"]) / initial, label="left the grid")
-    energy.set(ylabel="energy / initial kinetic energy")
+        energy.plot(time, history[name] / scale, label=name)
+    energy.plot(time, (history["left_kinetic"] + history["left_internal"]) / scale, label="left the grid")
+    energy.set(ylabel="energy / initial kinetic energy" if shares else "energy (J)")
     energy.legend()
-    error.plot(time, 100 * history["error"] / initial)
-    error.set(ylabel="ledger error (%)")
+    error.plot(time, history["error"] / scale * (100 if shares else 1))
+    error.set(ylabel="ledger error (%)" if shares else "ledger error (J)")
     depth.plot(time, history["depth"] * 1e6)
     depth.set(ylabel="depth on the axis (um)", xlabel="time (ns)")
     return figure

@@ -1,9 +1,13 @@
 """A run from scene to measured folder."""
 
+import math
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import __version__, results
 from .bodies import Sphere
@@ -12,7 +16,7 @@ from .errors import PockmarkError
 from .plots import history_figure, slice_figure
 from .scene import Scene
 from .simulation import Simulation, Task
-from .store import RunFolder, commit, machine, now
+from .store import RunFolder, commit, finite, machine, now
 from .tasks import History, ProgressBar, Snapshots
 
 
@@ -31,15 +35,25 @@ def run_scene(
         status = "finished"
     except KeyboardInterrupt:
         status = "interrupted"
-        for task in tasks:
-            task.act(simulation)
-    except RuntimeError as error:
-        raise PockmarkError(f"{path}: the run stopped at {simulation.time:.4g} s: {error}") from None
+        _write_last(tasks, simulation)
+    except Exception as error:
+        with suppress(PockmarkError, MemoryError):  # what stopped the run may stop this too
+            _write_last(tasks, simulation)
+        if isinstance(error, RuntimeError):
+            when = f"the run stopped at {simulation.time:.4g} s"
+            raise PockmarkError(f"{path}: {when}: {error} (what was computed is kept)") from None
+        raise
     finally:
         if bar:
             bar.close()
         folder.write_manifest(_manifest(simulation, status, started))
     return folder, status == "finished"
+
+
+def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:
+    """A last row and snapshot, so that the crater and the energies that are measured are of the same time."""
+    for task in tasks:
+        task.act(simulation)
 
 
 def _manifest(simulation: Simulation, status: str, started: str) -> dict[str, Any]:
@@ -85,21 +99,28 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     if not {"run", "options", "ledger", "counters", "failure_treatment"} <= manifest.keys():
         raise PockmarkError(f"{path}: the run has not ended (status '{manifest.get('status')}')")
     numerics = manifest["options"]
+    ledger = {key: math.nan if value is None else value for key, value in manifest["ledger"].items()}
     run = manifest["run"] | {
         "failure_treatment": manifest["failure_treatment"],
         "scheme": numerics["scheme"],
         "shape_functions": numerics["shape_functions"],
         "precision": numerics["precision"],
         "status": manifest["status"],
+        "end_time": scene.end_time,
     }
+    snapshot = folder.last_snapshot()
     table = results.result_table(
-        _crater(folder, scene), _projectile_diameter(scene), manifest["ledger"], run, manifest["counters"]
+        _crater(snapshot, scene),
+        float(snapshot["time"][0]),
+        _projectile_diameter(scene),
+        ledger,
+        run,
+        manifest["counters"],
     )
     history = folder.history()
-    table["energy"]["ledger_error_max"] = float(
-        np.abs(history["error"]).max() / (history["initial"][0] or 1.0)
-    )
-    return table
+    initial = float(history["initial"][0])
+    table["energy"]["ledger_error_max"] = float(np.abs(history["error"]).max()) / initial if initial else None
+    return dict(finite(table))
 
 
 def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
@@ -114,7 +135,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
             snapshot,
             bodies_projectile=scene.projectiles,
             spacing=_target_spacing(scene),
-            crater=_crater(folder, scene),
+            crater=_crater(snapshot, scene),
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
         ),
         "history.png": history_figure(folder.history()),
@@ -128,11 +149,9 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     return [target / name for name in figures]
 
 
-def _crater(folder: RunFolder, scene: Scene) -> Crater | None:
-    if not scene.targets:
-        return None
+def _crater(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Crater | None:
     return results.crater_of(
-        folder.last_snapshot(),
+        snapshot,
         target_bodies=scene.targets,
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import os
 import platform
 import subprocess
@@ -100,7 +101,7 @@ class RunFolder:
     def write_manifest(self, manifest: Mapping[str, Any]) -> None:
         """Replace manifest.json in one go."""
         with _replaced(self.path / MANIFEST) as part:
-            part.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+            part.write_text(to_json(manifest) + "\n", encoding="utf-8")
 
     def append_history(self, row: Mapping[str, float]) -> None:
         """Add a row to history.csv; the first one writes the header."""
@@ -234,6 +235,20 @@ def _git(*arguments: str) -> str | None:
 def now() -> str:
     """UTC, ISO 8601."""
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+
+
+def finite(value: Any) -> Any:
+    """The value, with None for what is no number (nan, inf) anywhere in its tables and lists: JSON has no word for it."""
+    if isinstance(value, Mapping):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def to_json(value: Any) -> str:
+    """JSON that every reader reads."""
+    return json.dumps(finite(value), indent=2, allow_nan=False)
 
 
 @contextmanager

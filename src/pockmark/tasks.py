@@ -26,6 +26,9 @@ LEDGER = (
     "momentum_x",
     "momentum_y",
     "momentum_z",
+    "left_momentum_x",
+    "left_momentum_y",
+    "left_momentum_z",
 )
 
 
@@ -35,9 +38,12 @@ class History:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
+        self._written = -1
 
     def act(self, simulation: Simulation) -> None:
-        """Write a row."""
+        """Write a row, if there is none of this step yet."""
+        if simulation.steps == self._written:
+            return
         ledger = simulation.ledger()
         row = {"time": simulation.time, "step": float(simulation.steps), "points": float(simulation.points)}
         row |= {key: ledger[key] for key in LEDGER}
@@ -45,6 +51,7 @@ class History:
         row["max_compression"] = simulation.max_compression
         row |= {key: float(value) for key, value in simulation.counters().items()}
         self.folder.append_history(row)
+        self._written = simulation.steps
 
 
 class Snapshots:
@@ -53,11 +60,15 @@ class Snapshots:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
+        self._written = -1
 
     def act(self, simulation: Simulation) -> None:
-        """Write all fields of all points."""
+        """Write all fields of all points, if this step's are not written yet."""
+        if simulation.steps == self._written:
+            return
         # Field by field: all at once would double the memory of the run.
         self.folder.write_snapshot(LiveFields(simulation), simulation.time, simulation.steps)
+        self._written = simulation.steps
 
 
 class ProgressBar:
