@@ -16,6 +16,7 @@ from .errors import PockmarkError
 from .plots import history_figure, slice_figure
 from .scene import Scene
 from .simulation import Simulation, Task
+from .stop import heard_between_steps
 from .store import RunFolder, commit, finite, machine, now
 from .tasks import History, ProgressBar, Snapshots
 
@@ -28,25 +29,32 @@ def run_scene(
     folder = RunFolder.create(path, scene, force=force)
     started = now()
     tasks: list[Task] = [History(folder, scene.output.history), Snapshots(folder, scene.output.snapshots)]
-    bar = ProgressBar(simulation) if progress else None
     status = "failed"
-    try:
-        simulation.run(tasks, watch=bar.watch if bar else None)
-        status = "finished"
-    except KeyboardInterrupt:
-        status = "interrupted"
-        _write_last(tasks, simulation)
-    except Exception as error:
-        with suppress(PockmarkError, MemoryError):  # what stopped the run may stop this too
+    with heard_between_steps() as stop_if_asked:
+        bar = ProgressBar(simulation) if progress else None
+
+        def watch(simulation: Simulation) -> None:
+            if bar:
+                bar.watch(simulation)
+            stop_if_asked()
+
+        try:
+            simulation.run(tasks, watch=watch)
+            status = "finished"
+        except KeyboardInterrupt:
+            status = "interrupted"
             _write_last(tasks, simulation)
-        if isinstance(error, RuntimeError):
-            when = f"the run stopped at {simulation.time:.4g} s"
-            raise PockmarkError(f"{path}: {when}: {error} (what was computed is kept)") from None
-        raise
-    finally:
-        if bar:
-            bar.close()
-        folder.write_manifest(_manifest(simulation, status, started))
+        except Exception as error:
+            with suppress(PockmarkError, MemoryError):  # what stopped the run may stop this too
+                _write_last(tasks, simulation)
+            if isinstance(error, RuntimeError):
+                when = f"the run stopped at {simulation.time:.4g} s"
+                raise PockmarkError(f"{path}: {when}: {error} (what was computed is kept)") from None
+            raise
+        finally:
+            if bar:
+                bar.close()
+            folder.write_manifest(_manifest(simulation, status, started))
     return folder, status == "finished"
 
 

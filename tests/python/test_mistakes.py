@@ -149,7 +149,8 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_half_file(tmp_path):
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "failed"
 
 
-def test_ctrl_c_stops_and_keeps_what_there_is(tmp_path):
+@pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGINT] * 3], ids=str)
+def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
     folder = tmp_path / "run"
     run = _short(
         folder,
@@ -160,12 +161,39 @@ def test_ctrl_c_stops_and_keeps_what_there_is(tmp_path):
     deadline = time.monotonic() + 60
     while not list(folder.glob("snapshot-0001.vtkhdf")) and time.monotonic() < deadline:
         time.sleep(0.1)
-    run.send_signal(signal.SIGINT)
+    for number in signals:
+        run.send_signal(number)
+        time.sleep(0.01)
     out, said = run.communicate(timeout=60)
     print(out, said)
     assert run.returncode == 130
+    assert said == ""
     assert RunFolder.open(folder).manifest()["status"] == "interrupted"
     assert 0 < measure(folder)["run"]["time"] < 10e-6
+
+
+PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED = """
+import os, signal, sys
+class Finder:
+    def find_spec(self, name, *rest):
+        if name == "numpy":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+from pockmark.__main__ import main
+main()
+"""
+
+
+def test_ctrl_c_during_the_imports_says_nothing():
+    run = subprocess.run(
+        [sys.executable, "-c", PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert run.returncode == -signal.SIGINT
+    assert run.stderr == ""
 
 
 def test_measure_tells_the_largest_ledger_error(tmp_path):
