@@ -46,6 +46,11 @@ class Sphere(Model):
     radius: Annotated[Length, Field(gt=0)]
 
     @property
+    def points_a_radius(self) -> int:
+        """The radius in point spacings, rounded; 0 where the spacing is too coarse for any point."""
+        return round(self.radius / self.spacing)
+
+    @property
     def box(self) -> tuple[Vector, Vector]:
         """Lower and upper corners of the ball's bounding box, m."""
         x, y, z = self.center

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from . import _core
 from .bodies import Block, Sphere
-from .points import block_counts, lattice
+from .lattice import block_counts, count
 from .scene import Scene
 
 BYTES_PER_POINT = 190  # fields, indices and the sort's scratch, fp64
@@ -28,10 +28,8 @@ class Forecast:
 
 def forecast(scene: Scene, threads: int) -> Forecast:
     """Points, cells, steps, memory and time of a scene, with warnings."""
-    points = sum(_point_count(scene, i) for i in range(len(scene.body)))
-    speed = max(m.dilatational_speed for m in scene.materials.values()) + scene.impact.speed
-    # Shocked material is faster and strain limits some steps: 1.35 is what model 1 needed.
-    steps = math.ceil(1.35 * scene.end_time / (scene.numerics.cfl * scene.grid.cell / speed))
+    points = sum(count(body, scene.grid.box) for body in scene.body)
+    steps = math.ceil(scene.steps_about)
     nodes = math.prod(n + 3 for n in scene.grid.cells)
     slower = 2.0 if scene.numerics.shape_functions == "quadratic" else 1.0
     size = 1.0 if scene.numerics.precision == "double" else 0.5
@@ -44,12 +42,6 @@ def forecast(scene: Scene, threads: int) -> Forecast:
         seconds=points * steps * slower / rate,
         warnings=warnings(scene),
     )
-
-
-def _point_count(scene: Scene, index: int) -> int:
-    x = lattice(scene.body[index])
-    lower, upper = scene.grid.lower, scene.grid.corner
-    return int(((x >= lower) & (x < upper)).all(axis=1).sum())
 
 
 def warnings(scene: Scene) -> list[str]:
@@ -117,7 +109,7 @@ def _face_warnings(projectile: Block | Sphere, scene: Scene) -> list[str]:
 def _surface_offset(body: Block | Sphere) -> float:
     """How far the points reach beyond a block's upper face in z, or a sphere's radius, m; negative if short of it."""
     if isinstance(body, Sphere):
-        return max(1, round(body.radius / body.spacing)) * body.spacing - body.radius
+        return body.points_a_radius * body.spacing - body.radius
     return block_counts(body)[2] * body.spacing - (body.upper[2] - body.lower[2])
 
 

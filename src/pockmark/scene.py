@@ -10,10 +10,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
 from .bodies import Block, Body, Sphere, Vector, overlap
-from .errors import PockmarkError
+from .errors import PockmarkError, found
+from .lattice import count, size
 from .materials import Material, Model, complete
 from .overrides import override
 from .sentences import sentence
@@ -22,7 +23,10 @@ from .units import Angle, Length, Number, Speed, Time
 
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
-MAX_CELLS = 2**31  # what the core can number, with its rim of extra nodes
+MAX_NODES = MAX_POINTS = 2**32 - 2  # what the core can number
+MAX_BODIES = 255
+MAX_STEPS = 1e9  # years
+MAX_OUTPUTS = 1e6
 
 
 class Grid(Model):
@@ -48,14 +52,19 @@ class Grid(Model):
         """The upper corner after rounding to whole cells, m."""
         return tuple(w + n * self.cell for w, n in zip(self.lower, self.cells, strict=True))
 
+    @property
+    def box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Lower and upper corners, m."""
+        return self.lower, self.corner
+
     @model_validator(mode="after")
     def _has_size(self) -> Self:
         if min(u - w for w, u in zip(self.lower, self.upper, strict=True)) <= 0:
             raise ValueError("upper must exceed lower in each direction")
-        if self.cell_count > MAX_CELLS:
-            raise ValueError(
-                f"a cell of {self.cell:g} m makes {self.cell_count:.3g} cells, at most {MAX_CELLS} fit"
-            )
+        # With the rim around them; in floats, which may be infinite where no whole number is.
+        nodes = math.prod((u - w) / self.cell + 4 for w, u in zip(self.lower, self.upper, strict=True))
+        if not nodes <= MAX_NODES:
+            raise ValueError(f"a cell of {self.cell:g} m makes {nodes:.3g} nodes, at most {MAX_NODES} fit")
         return self
 
 
@@ -88,7 +97,14 @@ class Impact(Model):
     """Velocity of the projectile bodies: speed, and angle from the normal of the surface towards +x."""
 
     speed: Annotated[Speed, Field(ge=0)]
-    angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] = 0.0
+    angle: Angle = 0.0
+
+    @field_validator("angle")
+    @classmethod
+    def _comes_from_above(cls, angle: float) -> float:
+        if not 0 <= angle < math.pi / 2:
+            raise ValueError(f"found {math.degrees(angle):g} deg, expected 0 deg to less than 90 deg")
+        return angle
 
     @property
     def velocity(self) -> tuple[float, float, float]:
@@ -167,8 +183,8 @@ class Scene(Model):
 
     @model_validator(mode="after")
     def _bodies_fit(self) -> Self:
-        for name, material in self.materials.items():
-            _check_laws(name, material)
+        if len(self.body) > MAX_BODIES:
+            raise ValueError(f"body: found {len(self.body)} bodies, at most {MAX_BODIES} are allowed")
         names = [b.name for b in self.body]
         for i, b in enumerate(self.body):
             key = f"body[{i}] '{b.name}'"
@@ -178,6 +194,33 @@ class Scene(Model):
         for (i, a), (j, b) in itertools.combinations(enumerate(self.body), 2):
             if overlap(a, b):
                 raise ValueError(f"body[{j}] '{b.name}': overlaps body[{i}] '{a.name}'")
+        return self
+
+    @model_validator(mode="after")
+    def _points_fit(self) -> Self:
+        total = 0.0
+        for i, body in enumerate(self.body):
+            key = f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m"
+            total += size(body)
+            if not total <= MAX_POINTS:
+                raise ValueError(f"{key} makes {size(body):.3g} points, at most {MAX_POINTS} fit")
+            if count(body, self.grid.box) == 0:
+                raise ValueError(f"{key} leaves it without points")
+        return self
+
+    @model_validator(mode="after")
+    def _comes_to_an_end(self) -> Self:
+        for name, material in self.materials.items():
+            _check_laws(name, material)
+        if not self.steps_about <= MAX_STEPS:
+            raise ValueError(
+                f"end_time: {self.end_time:g} s takes about {self.steps_about:.3g} steps with waves of {self.wave_speed:.3g} "
+                f"m/s in cells of {self.grid.cell:g} m, at most {MAX_STEPS:.0e} are allowed"
+            )
+        for key, interval in self.output.model_dump().items():
+            if interval < self.end_time / MAX_OUTPUTS:
+                least = f"at least end_time/{MAX_OUTPUTS:.0e} = {self.end_time / MAX_OUTPUTS:g} s is needed"
+                raise ValueError(f"output.{key}: found {interval:g} s, {least}")
         return self
 
     def _check_inside(self, key: str, body: Block | Sphere) -> None:
@@ -226,6 +269,17 @@ class Scene(Model):
         return tuple(i for i, b in enumerate(self.body) if not b.projectile)
 
     @property
+    def wave_speed(self) -> float:
+        """The fastest sound at rest, and the projectile's speed, m/s."""
+        return max(m.dilatational_speed for m in self.materials.values()) + self.impact.speed
+
+    @property
+    def steps_about(self) -> float:
+        """About how many steps a run takes; infinite for absurd materials."""
+        # Shocked material is faster and strain limits some steps: 1.35 is what model 1 needed.
+        return 1.35 * self.end_time / self.numerics.cfl / self.grid.cell * self.wave_speed
+
+    @property
     def mirrors(self) -> tuple[Mirror, ...]:
         """The symmetry planes across the surface; what lies behind them is not computed."""
         return tuple(
@@ -246,10 +300,15 @@ def _check_laws(name: str, material: Material) -> None:
 def _materials_used(table: Mapping[str, Any]) -> dict[str, Any]:
     """Complete tables of the materials that the bodies name and of those written in the scene."""
     written = table.get("materials", {})
-    bodies = table.get("body", [])
+    bodies = table.get("body", [{}])
     if not isinstance(written, Mapping):
-        raise PockmarkError(f"materials: found {written!r}, expected a table")
-    if not isinstance(bodies, Sequence):
-        bodies = []  # validation tells
-    names = [b["material"] for b in bodies if isinstance(b, Mapping) and isinstance(b.get("material"), str)]
-    return {name: complete(name, written.get(name)) for name in dict.fromkeys([*names, *written])}
+        raise PockmarkError(f"materials: {found(written)}, expected a table")
+    if not isinstance(bodies, list | tuple) or not bodies:
+        raise PockmarkError(f"body: {found(bodies)}, expected one [[body]] or more")
+    users: dict[str, str] = dict.fromkeys(written, "")
+    for i, body in enumerate(bodies):
+        if not isinstance(body, Mapping):
+            raise PockmarkError(f"body[{i}]: {found(body)}, expected a table")
+        if isinstance(name := body.get("material"), str):
+            users.setdefault(name, f"body[{i}].material")
+    return {name: complete(name, written.get(name), user) for name, user in users.items()}
