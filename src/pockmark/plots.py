@@ -13,6 +13,8 @@ from .crater import Crater
 from .store import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
+ENERGIES = ("kinetic", "internal", "absorbed")
+HISTORY_COLUMNS = ("time", *ENERGIES, "left_kinetic", "left_internal", "error", "initial", "depth")
 
 
 def slice_figure(
@@ -97,7 +99,7 @@ def history_figure(history: Fields) -> Figure:
     figure = Figure(figsize=(8, 9), layout="constrained")
     FigureCanvasAgg(figure)
     energy, error, depth = figure.subplots(3, 1, sharex=True)
-    for name in ("kinetic", "internal", "absorbed"):
+    for name in ENERGIES:
         energy.plot(time, history[name] / scale, label=name)
     energy.plot(time, (history["left_kinetic"] + history["left_internal"]) / scale, label="left the grid")
     energy.set(ylabel="energy / initial kinetic energy" if shares else "energy (J)")

@@ -13,12 +13,20 @@ from . import __version__, results
 from .bodies import Sphere
 from .crater import Crater
 from .errors import PockmarkError
-from .plots import history_figure, slice_figure
+from .plots import HISTORY_COLUMNS, history_figure, slice_figure
 from .scene import Scene
 from .simulation import Simulation, Task
 from .stop import heard_between_steps
-from .store import RunFolder, commit, finite, machine, now
+from .store import RunFolder, commit, finite, machine, now, told
 from .tasks import History, ProgressBar, Snapshots
+
+# What the measures need of a manifest.
+MEASURED = {
+    "run": {"points", "steps", "time", "particle_steps_per_second", "max_compression"},
+    "options": {"scheme", "shape_functions", "precision"},
+    "ledger": {*results.SHARES, "initial", "error"},
+    "counters": set(),
+}
 
 
 def run_scene(
@@ -104,16 +112,22 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     """Crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
     folder = RunFolder.open(path)
     scene, manifest = folder.scene(), folder.manifest()
-    if not {"run", "options", "ledger", "counters", "failure_treatment"} <= manifest.keys():
+    if "ledger" not in manifest:
         raise PockmarkError(f"{path}: the run has not ended (status '{manifest.get('status')}')")
+    for part, keys in MEASURED.items():
+        there = manifest.get(part)
+        if missing := sorted(keys - set(there if isinstance(there, dict) else ())):
+            raise PockmarkError(
+                f"{path}: its manifest lacks {part}.{missing[0]}; it is torn or of another version"
+            )
     numerics = manifest["options"]
     ledger = {key: math.nan if value is None else value for key, value in manifest["ledger"].items()}
     run = manifest["run"] | {
-        "failure_treatment": manifest["failure_treatment"],
+        "failure_treatment": treatments(scene),
         "scheme": numerics["scheme"],
         "shape_functions": numerics["shape_functions"],
         "precision": numerics["precision"],
-        "status": manifest["status"],
+        "status": str(manifest.get("status")),
         "end_time": scene.end_time,
     }
     snapshot = folder.last_snapshot()
@@ -125,7 +139,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         run,
         manifest["counters"],
     )
-    history = folder.history()
+    history = folder.history("error", "initial")
     initial = float(history["initial"][0])
     table["energy"]["ledger_error_max"] = float(np.abs(history["error"]).max()) / initial if initial else None
     return dict(finite(table))
@@ -146,14 +160,12 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
             crater=_crater(snapshot, scene),
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
         ),
-        "history.png": history_figure(folder.history()),
+        "history.png": history_figure(folder.history(*HISTORY_COLUMNS)),
     }
-    try:
+    with told(target):
         target.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
             figure.savefig(target / name, dpi=150)
-    except OSError as error:
-        raise PockmarkError(f"{target}: {error.strerror}") from None
     return [target / name for name in figures]
 
 
@@ -176,5 +188,5 @@ def _projectile_diameter(scene: Scene) -> float:
         return 0.0
     body = scene.body[scene.projectiles[0]]
     if isinstance(body, Sphere):
-        return 2 * max(1, round(body.radius / body.spacing)) * body.spacing
+        return 2 * body.points_a_radius * body.spacing
     return body.upper[2] - body.lower[2]
