@@ -95,7 +95,7 @@ class ProgressBar:
         self._shown = time.monotonic()
         state = (
             f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s"
-            f"  depth {current_depth(simulation) * 1e6:.1f} um"
+            f"  depth about {current_depth(simulation) * 1e6:.1f} um"
         )
         self._bar.update(self._task, completed=simulation.time, state=state)
 
@@ -105,7 +105,7 @@ class ProgressBar:
 
 
 def current_depth(simulation: Simulation) -> float:
-    """Depth of the target's surface on the axis of the first projectile now, m; a quick estimate."""
+    """Depth of the target's surface on the axis of the first projectile now, m; a quick estimate, not C_p."""
     scene = simulation.scene
     target = scene.body[scene.targets[0]] if scene.targets else scene.body[0]
     axis = (0.0, 0.0)

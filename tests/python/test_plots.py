@@ -115,6 +115,7 @@ def test_history_shows_shares_per_cent_and_micrometres(history, tmp_path: Path):
     last = {line.get_label(): line.get_ydata()[-1] for line in energy.lines}
     assert list(last.values()) == pytest.approx([0.3, 0.5, 0.1, 0.1])
     assert error.lines[0].get_ydata()[-1] == pytest.approx(1.0)
+    assert "estimate" in depth.get_ylabel()
     assert depth.lines[0].get_ydata()[-1] == pytest.approx(12)
     assert depth.lines[0].get_xdata()[-1] == pytest.approx(500)
     figure.savefig(tmp_path / "history.png")

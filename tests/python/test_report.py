@@ -115,5 +115,15 @@ def test_the_energies_that_are_shown_add_up_when_points_leave(tmp_path):
     assert RunFolder.open(tmp_path / "run").history()["left_momentum_x"][-1] > 0
 
 
+def test_every_column_of_the_history_is_explained(tmp_path):
+    document = (ROOT / "docs" / "output.md").read_text()
+    short(tmp_path / "run")
+    for name in RunFolder.open(tmp_path / "run").history():
+        prefix, _, axis = name.rpartition("_")
+        assert f"`{name}`" in document or (axis in ("y", "z") and f"`{prefix}_x`, `_y`, `_z`" in document)
+
+
 def test_every_counter_is_explained():
+    document = (ROOT / "docs" / "output.md").read_text()
+    assert all(f"| `{name}` | {text} |" in document for name, text in COUNTERS.items())
     assert list(COUNTERS) == list(Simulation(Scene.load(QUICK), threads=1).counters())
