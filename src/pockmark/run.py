@@ -13,7 +13,7 @@ from . import __version__, results
 from .bodies import Sphere
 from .crater import Crater
 from .errors import PockmarkError
-from .plots import HISTORY_COLUMNS, history_figure, slice_figure
+from .plots import HISTORY_COLUMNS, Cast, history_figure, slice_figure
 from .scene import Scene
 from .simulation import Simulation, Task
 from .stop import heard_between_steps
@@ -155,7 +155,8 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     figures = {
         "crater.png": slice_figure(
             snapshot,
-            bodies_projectile=scene.projectiles,
+            Cast([body.name for body in scene.body], scene.projectiles),
+            plane=_slice_plane(scene),
             spacing=_target_spacing(scene),
             crater=_crater(snapshot, scene),
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
@@ -176,6 +177,15 @@ def _crater(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Crater | None
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,
     )
+
+
+def _slice_plane(scene: Scene) -> float:
+    """The y of the picture's slice, m: a symmetry plane, or else through the first projectile."""
+    for mirror in scene.mirrors:
+        if mirror.axis == 1:
+            return mirror.at
+    lower, upper = scene.body[scene.projectiles[0]].box if scene.projectiles else scene.grid.box
+    return (lower[1] + upper[1]) / 2
 
 
 def _target_spacing(scene: Scene) -> float:
