@@ -57,7 +57,7 @@ def run_scene(
                 _write_last(tasks, simulation)
             if isinstance(error, RuntimeError):
                 when = f"the run stopped at {simulation.time:.4g} s"
-                raise PockmarkError(f"{path}: {when}: {error} (what was computed is kept)") from None
+                raise PockmarkError(f"{path}: {when}: {error}") from None
             raise
         finally:
             if bar:
