@@ -32,7 +32,7 @@ def pockmark(*arguments, **kwargs):
 def folder(tmp_path_factory):
     """One finished quick run, made by the command line."""
     path = tmp_path_factory.mktemp("runs") / "quick"
-    done = pockmark("run", QUICK, "-o", path, "--threads", 2)
+    done = pockmark("run", QUICK, "-o", path, "--threads", 1)
     print(done.stdout)
     assert done.returncode == 0, done.stderr
     return path
@@ -187,7 +187,7 @@ def test_an_interrupted_run_keeps_what_there_is(tmp_path, monkeypatch):
         return original(self, *args, **kwargs)
 
     monkeypatch.setattr(Simulation, "advance", advance)
-    folder, finished = run_scene(Scene.load(QUICK), tmp_path / "cut", progress=False)
+    folder, finished = run_scene(Scene.load(QUICK), tmp_path / "cut", threads=1, progress=False)
     assert not finished
     assert folder.manifest()["status"] == "interrupted"
     result = measure(folder.path)
@@ -219,6 +219,6 @@ def test_a_collapsed_step_ends_the_run_and_says_so(tmp_path):
 def test_the_progress_bar_changes_nothing(tmp_path):
     scene = Scene.load(QUICK)
     for progress in (False, True):
-        run_scene(scene, tmp_path / str(progress), progress=progress)
+        run_scene(scene, tmp_path / str(progress), threads=1, progress=progress)
     quiet, shown = (RunFolder.open(tmp_path / str(p)).path / "history.csv" for p in (False, True))
     assert quiet.read_bytes() == shown.read_bytes()
