@@ -1,13 +1,32 @@
 """pockmark: craters of micron-sized particles at kilometres per second, by the material point method."""
 
+from importlib import import_module
 from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .errors import PockmarkError
+    from .run import measure_run as measure
+    from .run import run_scene
+    from .scene import Scene
+    from .simulation import Simulation
 
 __version__ = version("pockmark")
 
-from .errors import PockmarkError
-from .run import measure_run as measure
-from .run import run_scene
-from .scene import Scene
-from .simulation import Simulation
-
 __all__ = ["PockmarkError", "Scene", "Simulation", "__version__", "measure", "run_scene"]
+
+_HOMES = {
+    "PockmarkError": (".errors", "PockmarkError"),
+    "Scene": (".scene", "Scene"),
+    "Simulation": (".simulation", "Simulation"),
+    "measure": (".run", "measure_run"),
+    "run_scene": (".run", "run_scene"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Imported when first asked for: the command line wants to hear Ctrl-C before a second of imports."""
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, attribute = _HOMES[name]
+    return getattr(import_module(module, __name__), attribute)

@@ -1,5 +1,20 @@
-"""python -m pockmark."""
+"""python -m pockmark, and the command pockmark."""
 
-from .cli import main
+import signal
 
-main()
+
+def main() -> None:
+    """The command line."""
+    # Nothing can be lost while modules are imported: Ctrl-C just ends the process, without a traceback.
+    heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    if heard:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from .cli import main as command
+
+    if heard:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    command()
+
+
+if __name__ == "__main__":
+    main()

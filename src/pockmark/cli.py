@@ -1,11 +1,9 @@
 """The command line: run, check, measure, plot, bench."""
 
-import json
 import os
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.console import Console
@@ -15,8 +13,12 @@ from . import __version__
 from .bench import bench as run_bench
 from .bench import bench_scene
 from .errors import PockmarkError
-from .run import forecast, measure_run, plot_run, run_scene
+from .forecast import forecast
+from .report import report
+from .run import measure_run, plot_run, run_scene
 from .scene import Scene
+from .simulation import thread_count
+from .store import to_json
 
 app = typer.Typer(
     help="Craters of micron-sized particles at kilometres per second, by the material point method.",
@@ -30,13 +32,13 @@ SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene in TOM
 RunDir = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
 Overrides = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Change a key, e.g. impact.speed='4 km/s'."),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change a key: impact.speed='4 km/s', body.projectile.radius='5 um' (by name, or counted from 0).",
+    ),
 ]
-Threads = Annotated[int, typer.Option(min=0, help="Threads; 0 takes every core.")]
-
-
-def _threads(threads: int) -> int:
-    return threads or len(os.sched_getaffinity(0))
+Threads = Annotated[int, typer.Option(help="Threads; 0 takes every core.")]
 
 
 @app.command()
@@ -52,10 +54,10 @@ def run(
     loaded = Scene.load(scene, overrides or ())
     path = output or Path("runs") / scene.stem
     if not quiet:
-        expected = forecast(loaded, _threads(threads))
+        expected = forecast(loaded, thread_count(threads))
         console.print(f"{expected.points:,} points, {expected.cells:,} cells, about {expected.steps:,} steps")
-    folder, finished = run_scene(loaded, path, threads=_threads(threads), force=force, progress=not quiet)
-    _print_result(measure_run(folder.path))
+    folder, finished = run_scene(loaded, path, threads=thread_count(threads), force=force, progress=not quiet)
+    console.print(report(measure_run(folder.path)))
     for picture in plot_run(folder.path):
         console.print(f"wrote {picture}")
     if not finished:
@@ -67,13 +69,13 @@ def run(
 def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -> None:
     """Points, cells, steps, memory and time of a scene, before anything runs."""
     loaded = Scene.load(scene, overrides or ())
-    expected = forecast(loaded, _threads(threads))
+    expected = forecast(loaded, thread_count(threads))
     table = Table(show_header=False, title=loaded.title or str(scene))
     table.add_row("points", f"{expected.points:,}")
     table.add_row("cells", f"{expected.cells:,}")
     table.add_row("steps, about", f"{expected.steps:,}")
     table.add_row("memory", f"{expected.memory / 2**20:,.0f} MiB")
-    table.add_row("time, about", f"{expected.seconds:,.0f} s on {_threads(threads)} threads")
+    table.add_row("time, about", f"{expected.seconds:,.0f} s on {thread_count(threads)} threads")
     console.print(table)
     for warning in expected.warnings:
         console.print(f"[yellow]warning:[/yellow] {warning}")
@@ -84,12 +86,12 @@ def measure(
     folder: RunDir,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with stable keys, SI.")] = False,
 ) -> None:
-    """Crater, energies and counters of a run."""
+    """Crater, energies and counters of a run; what each counter counts is said beside it (and in docs/output.md)."""
     result = measure_run(folder)
     if as_json:
-        print(json.dumps(result, indent=2))
+        print(to_json(result))
     else:
-        _print_result(result)
+        console.print(report(result))
 
 
 @app.command()
@@ -112,9 +114,9 @@ def bench(
 ) -> None:
     """How fast the step is here: a fixed impact with the full physics, phase by phase."""
     scene = bench_scene(points, (f"numerics.precision={precision}", *(overrides or ())))
-    result = run_bench(scene, _threads(threads))
+    result = run_bench(scene, thread_count(threads))
     if as_json:
-        print(json.dumps(result, indent=2))
+        print(to_json(result))
         return
     title = (
         f"{result['points']:,} points, {result['scheme']}, {result['shape_functions']}, {result['precision']}"
@@ -148,32 +150,6 @@ def _options(
     """Options of every command."""
 
 
-def _print_result(result: Mapping[str, Any]) -> None:
-    crater, energy, figures = result["crater"], result["energy"], result["run"]
-    table = Table(show_header=False, title="Crater")
-    if crater["depth"] is None:
-        table.add_row("crater", "none")
-    else:
-        table.add_row("depth C_p", f"{crater['depth'] * 1e6:.2f} um")
-        table.add_row("diameter D_c", f"{crater['diameter'] * 1e6:.2f} um")
-        table.add_row("volume", f"{crater['volume'] * 1e18:.0f} um^3")
-        table.add_row("C_p/d_p", f"{crater['depth_over_projectile_diameter']:.3f}")
-        table.add_row("C_p/D_c", f"{crater['depth_over_diameter']:.3f}")
-    table.add_row("residual internal energy E_i^r", f"{energy['residual_internal']:.4f}")
-    table.add_row("kinetic, absorbed by faces", f"{energy['kinetic']:.4f}, {energy['absorbed']:.4f}")
-    table.add_row("energy ledger error", f"{energy['ledger_error']:+.2%} of the initial kinetic energy")
-    table.add_row("failure treatment", str(figures["failure_treatment"]))
-    table.add_row("scheme", f"{figures['scheme']}, {figures['shape_functions']}")
-    table.add_row("largest rho/rho0", f"{figures['max_compression']:.3f}")
-    rate = figures["particle_steps_per_second"] / 1e6
-    table.add_row(
-        "run", f"{figures['points']:,} points, {figures['steps']:,} steps, {rate:.2f} M particle-steps/s"
-    )
-    counted = ", ".join(f"{name} {count:,}" for name, count in result["counters"].items() if count)
-    table.add_row("counted", counted or "nothing")
-    console.print(table)
-
-
 def main() -> None:
     """Entry point: a user's mistake is one sentence and exit code 2."""
     try:
@@ -181,6 +157,9 @@ def main() -> None:
     except PockmarkError as error:
         print(f"pockmark: {error}", file=sys.stderr)
         sys.exit(2)
+    except KeyboardInterrupt:
+        print("pockmark: interrupted", file=sys.stderr)
+        sys.exit(130)
     except BrokenPipeError:  # the reader of our output has gone
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)

@@ -6,6 +6,7 @@ projectile's material that lines the crater was never in. In each column the sur
 half of that piece, interpolated between grid points.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,19 +14,23 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import find_contours
 
+from .scene import Mirror
+
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Surface:
     """The target on a grid x (nx,), y (ny,), z (nz,) m: volume fraction (nx, ny, nz) of its connected piece, height
-    (nx, ny) m of its surface, nan in empty columns. Half models are mirrored to full ones."""
+    (nx, ny) m of its surface, nan in empty columns. What lies behind a symmetry plane is there too; `computed` are the
+    columns (two slices) that do not."""
 
     x: Array
     y: Array
     z: Array
     fraction: Array
     height: Array
+    computed: tuple[slice, slice]
 
     def slice(self, z: float) -> Array:
         """Volume fraction (nx, ny) at height z (m), interpolated."""
@@ -36,31 +41,57 @@ class Surface:
 
 @dataclass(frozen=True)
 class Crater:
-    """Depth C_p of the bottom below z = 0, diameter D_c of the circle of the pithead's area, volume; m, m^3."""
+    """Depth C_p of the bottom below z = 0, diameter D_c of the circle of the pithead's area, volume; m, m^3.
+
+    `diameter` is None where no closed edge lies around the bottom.
+    """
 
     depth: float
-    diameter: float
+    diameter: float | None
     volume: float
     bottom: tuple[float, float]
 
 
-def target_surface(position: Array, volume: Array, spacing: float, *, half: bool) -> Surface:
-    """Surface of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m.
-
-    `half`: the points are those of a half model with the mirror plane y = 0.
-    """
-    if half:
-        near = position[:, 1] < 2 * spacing
-        position = np.concatenate([position, position[near] * (1.0, -1.0, 1.0)])
-        volume = np.concatenate([volume, volume[near]])
-    lower = np.floor(position.min(axis=0) / spacing) * spacing - 2 * spacing
+def target_surface(
+    position: Array, volume: Array, spacing: float, *, mirrors: Sequence[Mirror] = ()
+) -> Surface:
+    """Surface of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m; whole about `mirrors`."""
+    for mirror in mirrors:
+        position, volume = _with_images(position, volume, mirror, 2 * spacing)
+    # The first mirror of an axis lies between two columns; the mirrored half is then the other's exact image.
+    origin = np.zeros(3)
+    for mirror in reversed(mirrors):
+        origin[mirror.axis] = mirror.at
+    lower = origin + (np.floor((position.min(axis=0) - origin) / spacing) - 2) * spacing
     fraction = _largest_piece(_volume_fraction(position, volume, lower, spacing))
+    computed = [slice(0, n) for n in fraction.shape[:2]]
+    for mirror in sorted(mirrors, key=lambda m: not m.above):
+        fraction = _unfolded(fraction, computed, lower, spacing, mirror)
     x, y, z = (lower[a] + (np.arange(fraction.shape[a]) + 0.5) * spacing for a in range(3))
-    if half:
-        kept = y > 0
-        y, fraction = y[kept], fraction[:, kept]
-        y, fraction = np.concatenate([-y[::-1], y]), np.concatenate([fraction[:, ::-1], fraction], axis=1)
-    return Surface(x, y, z, fraction, _height(fraction, z))
+    return Surface(x, y, z, fraction, _height(fraction, z), (computed[0], computed[1]))
+
+
+def _with_images(position: Array, volume: Array, mirror: Mirror, reach: float) -> tuple[Array, Array]:
+    """The points with the mirror images of those within `reach` of the mirror, whose tents cross it."""
+    near = np.abs(position[:, mirror.axis] - mirror.at) < reach
+    image = position[near]
+    image[:, mirror.axis] = 2 * mirror.at - image[:, mirror.axis]
+    return np.concatenate([position, image]), np.concatenate([volume, volume[near]])
+
+
+def _unfolded(fraction: Array, computed: list[slice], lower: Array, spacing: float, mirror: Mirror) -> Array:
+    """The fraction on both sides of the mirror; `computed` and `lower` are moved along."""
+    a = mirror.axis
+    wall = round((mirror.at - lower[a]) / spacing)  # the first column above the mirror
+    kept = fraction.take(range(wall) if mirror.above else range(wall, fraction.shape[a]), axis=a)
+    image = np.flip(kept, axis=a)
+    n = kept.shape[a]
+    if mirror.above:
+        computed[a] = slice(computed[a].start, wall)
+        return np.concatenate([kept, image], axis=a)
+    lower[a] += (wall - n) * spacing
+    computed[a] = slice(n, n + computed[a].stop - wall)
+    return np.concatenate([image, kept], axis=a)
 
 
 def _volume_fraction(position: Array, volume: Array, lower: Array, spacing: float) -> Array:
@@ -112,8 +143,7 @@ def measure_crater(surface: Surface, *, spacing: float) -> Crater | None:
     height = np.where(np.isnan(surface.height), 0.0, surface.height)
     inner = _without_edges(height)
     bowl = _without_pits(inner, spacing)
-    deepest = np.unravel_index(np.argmin(ndimage.gaussian_filter(bowl, 0.7)), bowl.shape)
-    i, j = int(deepest[0]), int(deepest[1])
+    i, j = _deepest(ndimage.gaussian_filter(bowl, 0.7), surface.computed)
     depth = -_bottom(surface, bowl, i, j, 3 * spacing)
     if depth < 0.5 * spacing:
         return None
@@ -125,8 +155,15 @@ def measure_crater(surface: Surface, *, spacing: float) -> Crater | None:
     labels, _ = ndimage.label(inner < -0.1 * spacing)
     inside = labels == labels[i, j]
     volume = float(-inner[inside].sum()) * spacing**2
-    diameter = 2 * float(np.sqrt(pithead / np.pi))
+    diameter = 2 * float(np.sqrt(pithead / np.pi)) if pithead > 0 else None
     return Crater(depth, diameter, volume, (float(surface.x[i]), float(surface.y[j])))
+
+
+def _deepest(height: Array, columns: tuple[slice, slice]) -> tuple[int, int]:
+    """Indices of the lowest of the columns."""
+    part = height[columns]
+    i, j = np.unravel_index(np.argmin(part), part.shape)
+    return int(i) + columns[0].start, int(j) + columns[1].start
 
 
 def _without_edges(height: Array, margin: int = 5) -> Array:

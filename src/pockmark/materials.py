@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from . import _core
-from .errors import PockmarkError
+from .errors import PockmarkError, found
 from .units import Density, Number, Pressure, Rate, SpecificHeat, Speed, Temperature
 
 
@@ -110,7 +110,7 @@ class Material(Model):
     def bulk_modulus(self) -> float:
         """rho0 c0^2 or K, Pa."""
         if isinstance(self.eos, MieGruneisen):
-            return self.density * self.eos.c0**2
+            return self.density * self.eos.c0 * self.eos.c0
         return self.eos.bulk_modulus
 
     @property
@@ -199,22 +199,24 @@ def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]
     return out
 
 
-def complete(name: str, written: Mapping[str, Any] | None) -> dict[str, Any]:
+def complete(name: str, written: Mapping[str, Any] | None, user: str = "") -> dict[str, Any]:
     """The full table of a material: the library's, or the one `based_on` names, under what the scene writes.
 
-    Raises PockmarkError on an unknown name or something that is no table.
+    `user` is the key that names the material. Raises PockmarkError on an unknown name or something that is no table.
     """
     if written is not None and not isinstance(written, Mapping):
-        raise PockmarkError(f"materials.{name}: found {written!r}, expected a table")
+        raise PockmarkError(f"materials.{name}: {found(written)}, expected a table")
     changes = dict(written or {})
     base = changes.pop("based_on", name if name in library() else None)
     if base is None:
         if written is None:
             known = ", ".join(sorted(library()))
-            raise PockmarkError(f"material '{name}' is neither in the scene nor in the library ({known})")
+            raise PockmarkError(
+                f"{user}: {found(name)}, which is neither in the scene nor in the library ({known})"
+            )
         return changes
     if not isinstance(base, str) or base not in library():
         raise PockmarkError(
-            f"materials.{name}.based_on: found '{base}', expected one of {', '.join(library())}"
+            f"materials.{name}.based_on: {found(base)}, expected one of {', '.join(library())}"
         )
     return merge(library()[base], changes)

@@ -1,11 +1,14 @@
 """Pictures of a run: the slice through the crater (the panels of Liu et al. 2015, Figs. 5 and 8) and the history."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -13,94 +16,130 @@ from .crater import Crater
 from .store import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
+Array = NDArray[np.floating]
+AIR = "#e8eef4"  # neither a target's colour nor the projectile's white
+TARGETS = ("#999999", "#7a9cc6", "#c69c6d", "#8fb08c", "#a88bb5", "#c98686")
+STRESS = ScalarMappable(Normalize(0.0, 600.0), "viridis")
+PRESSURE = ScalarMappable(Normalize(-600.0, 600.0), "coolwarm")
+ENERGIES = ("kinetic", "internal", "absorbed")
+HISTORY_COLUMNS = ("time", *ENERGIES, "left_kinetic", "left_internal", "error", "initial", "depth")
+
+
+@dataclass(frozen=True)
+class Cast:
+    """Who is in a picture: the names of the bodies, by index, and which of them are projectiles."""
+
+    names: Sequence[str]
+    projectiles: Sequence[int]
+
+    @property
+    def targets(self) -> list[int]:
+        """Indices of the other bodies."""
+        return [i for i in range(len(self.names)) if i not in self.projectiles]
+
+    def colour(self, body: int) -> str:
+        """White for a projectile; the targets differ."""
+        return TARGETS[self.targets.index(body) % len(TARGETS)] if body in self.targets else "#ffffff"
 
 
 def slice_figure(
-    snapshot: Fields, *, bodies_projectile: Sequence[int], spacing: float, crater: Crater | None, title: str
+    snapshot: Fields, cast: Cast, *, plane: float, spacing: float, crater: Crater | None, title: str
 ) -> Figure:
-    """Points within one `spacing` (m) of y = 0: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
-    near = np.abs(snapshot["position"][:, 1]) < spacing
-    x, z = snapshot["position"][near, 0] * 1e6, snapshot["position"][near, 2] * 1e6
-    width = np.cbrt(snapshot["volume"][near]) * 1e6
-    is_projectile = np.isin(snapshot["body"][near], bodies_projectile)
-    stress = effective_stress(snapshot["deviator"][near]) / 1e6
-    pressure = snapshot["pressure"][near] / 1e6
-    figure = Figure(figsize=(8, 11), layout="constrained")
+    """Points within one `spacing` (m) of y = `plane`: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
+    near = np.abs(snapshot["position"][:, 1] - plane) < spacing
+    points = {name: snapshot[name][near] for name in ("position", "volume", "body", "deviator", "pressure")}
+    x, z = points["position"][:, 0] * 1e6, points["position"][:, 2] * 1e6
+    width = np.cbrt(points["volume"]) * 1e6
+    is_projectile = np.isin(points["body"], cast.projectiles)
+    limits = _limits(x, z, z[~is_projectile])
+    figure = Figure(figsize=_size(limits), layout="compressed")
     FigureCanvasAgg(figure)
     figure.suptitle(title)
     panels = figure.subplots(3, 1, sharex=True, sharey=True)
-    settings = [
-        ("bodies (projectile white)", np.full(len(x), 0.6), "gray", (0.0, 1.0), ""),
-        ("effective stress", stress, "viridis", (0.0, 600.0), "MPa"),
-        ("pressure", pressure, "coolwarm", (-600.0, 600.0), "MPa"),
+    colours = [
+        [cast.colour(body) for body in points["body"]],
+        STRESS.to_rgba(effective_stress(points["deviator"]) / 1e6),
+        PRESSURE.to_rgba(points["pressure"] / 1e6),
     ]
-    for axes, (name, values, colours, limits, unit) in zip(panels, settings, strict=True):
-        low, high = z.min() - 2, max(z[~is_projectile].max(initial=0.0), 30.0) + 2
-        axes.set(
-            xlim=(x.min() - 2, x.max() + 2),
-            ylim=(low, min(high, 60.0)),
-            aspect="equal",
-            ylabel="z (um)",
-            title=name,
-        )
-        figure.draw_without_rendering()
-        size = _marker_size(axes, width)
-        t, p = ~is_projectile, is_projectile
-        drawn = axes.scatter(
-            x[t],
-            z[t],
-            c=values[t],
-            s=size[t],
-            marker="s",
-            linewidths=0,
-            cmap=colours,
-            vmin=limits[0],
-            vmax=limits[1],
-        )
-        axes.scatter(x[p], z[p], c="white", s=size[p], marker="s", edgecolors="black", linewidths=0.3)
-        axes.axhline(0.0, color="black", linestyle=":", linewidth=0.8)
+    names = ("bodies (projectile white)", "effective stress (MPa)", "pressure (MPa)")
+    for axes, name, scale in zip(panels, names, (STRESS, STRESS, PRESSURE), strict=True):
+        axes.set(xlim=limits[0], ylim=limits[1], aspect="equal", ylabel="z (um)", title=name, facecolor=AIR)
         # Every panel gets a bar, so that all are of one width; the first one's says nothing and is hidden.
-        figure.colorbar(drawn, ax=axes, label=unit).ax.set_visible(bool(unit))
-        _mark_depth(axes, crater)
+        figure.colorbar(scale, ax=axes).ax.set_visible(axes is not panels[0])
     panels[-1].set_xlabel("x (um)")
+    figure.draw_without_rendering()  # the markers' size depends on the panels'
+    for axes, colour in zip(panels, map(np.asarray, colours), strict=True):
+        size = _marker_size(axes, width)
+        for part, shown in ((~is_projectile, colour[~is_projectile]), (is_projectile, "white")):
+            axes.scatter(x[part], z[part], c=shown, s=size[part], marker="s", linewidths=0)
+        axes.axhline(0.0, color="black", linestyle=":", linewidth=0.8)
+        _mark_depth(axes, crater)
+    if len(cast.targets) > 1:
+        _name_targets(panels[0], cast)
     return figure
 
 
-def _marker_size(axes: Axes, width_um: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Area in points^2 of square markers `width_um` wide in data units, so that points tile the plane."""
+def _limits(x: Array, z: Array, z_target: Array) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Of the axes, um: the whole target, and above it no more air than a third of the width."""
+    if len(x) == 0:
+        return (-1.0, 1.0), (-1.0, 1.0)
+    left, right, low = float(x.min()), float(x.max()), float(z.min())
+    width = max(right - left, 1e-3)
+    room = min(float(z_target.max(initial=0.0)) + 0.1 * width, 0.33 * width)
+    margin = 0.01 * width
+    return (left - margin, right + margin), (low - margin, max(0.15 * width, room))
+
+
+def _size(limits: tuple[tuple[float, float], tuple[float, float]]) -> tuple[float, float]:
+    """Of the figure, inches: as high as its panels need, so that nothing is left blank."""
+    (left, right), (low, high) = limits
+    shape = (high - low) / (right - left)
+    wide = min(5.4, 4.0 / shape)
+    return max(wide, 3.0) + 1.9, 3 * (wide * shape + 0.4) + 0.7
+
+
+def _marker_size(axes: Axes, width_um: Array) -> Array:
+    """Area in points^2 of square markers `width_um` wide in data units, so that points tile the plane.
+
+    A quarter of a point more closes the hairlines that rounding to pixels leaves.
+    """
     origin, unit = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)])
     points_per_um = (unit[0] - origin[0]) * 72.0 / axes.figure.dpi
-    return np.asarray((width_um * points_per_um) ** 2)
+    return np.asarray((width_um * points_per_um + 0.25) ** 2)
 
 
 def _mark_depth(axes: Axes, crater: Crater | None) -> None:
+    """An arrow in the crater; its length above the panel, where it hides nothing."""
     if crater is None:
         return
     x, depth = crater.bottom[0] * 1e6, crater.depth * 1e6
-    axes.annotate("", (x, -depth), (x, 0.0), arrowprops={"arrowstyle": "<->", "color": "crimson"})
-    axes.text(
-        x + 1,
-        -depth / 2,
-        f"$C_p$ = {depth:.1f} um",
-        color="crimson",
-        va="center",
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},
-    )
+    arrow = {"arrowstyle": "<->", "color": "crimson", "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (x, -depth), (x, 0.0), arrowprops=arrow)
+    axes.set_title(f"$C_p$ = {depth:.1f} um", loc="right", color="crimson")
+
+
+def _name_targets(axes: Axes, cast: Cast) -> None:
+    for body in cast.targets:
+        axes.scatter([], [], color=cast.colour(body), marker="s", label=cast.names[body])
+    axes.legend(loc="upper left", fontsize="small", ncols=2)
 
 
 def history_figure(history: Fields) -> Figure:
     """Energies, ledger error and crater depth against time."""
     time, initial = history["time"] * 1e9, history["initial"]
+    # Without an initial energy there are no shares of it.
+    shares = bool(initial.all())
+    scale = initial if shares else 1.0
     figure = Figure(figsize=(8, 9), layout="constrained")
     FigureCanvasAgg(figure)
     energy, error, depth = figure.subplots(3, 1, sharex=True)
-    for name in ("kinetic", "internal", "absorbed"):
-        energy.plot(time, history[name] / initial, label=name)
-    energy.plot(time, (history["left_kinetic"] + history["left_internal"]) / initial, label="left the grid")
-    energy.set(ylabel="energy / initial kinetic energy")
+    for name in ENERGIES:
+        energy.plot(time, history[name] / scale, label=name)
+    energy.plot(time, (history["left_kinetic"] + history["left_internal"]) / scale, label="left the grid")
+    energy.set(ylabel="energy / initial kinetic energy" if shares else "energy (J)")
     energy.legend()
-    error.plot(time, 100 * history["error"] / initial)
-    error.set(ylabel="ledger error (%)")
+    error.plot(time, history["error"] / scale * (100 if shares else 1))
+    error.set(ylabel="ledger error (%)" if shares else "ledger error (J)")
     depth.plot(time, history["depth"] * 1e6)
-    depth.set(ylabel="depth on the axis (um)", xlabel="time (ns)")
+    depth.set(ylabel="depth on the axis (um),\nan estimate, not $C_p$", xlabel="time (ns)")
     return figure

@@ -1,26 +1,32 @@
-"""A run from scene to measured folder, and what is known of a run before and after it."""
+"""A run from scene to measured folder."""
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from . import __version__, _core, results
+from . import __version__, results
+from .bodies import Sphere
 from .crater import Crater
 from .errors import PockmarkError
-from .plots import history_figure, slice_figure
-from .points import block_counts, lattice
-from .scene import Block, Scene, Sphere
+from .plots import HISTORY_COLUMNS, Cast, history_figure, slice_figure
+from .scene import Scene
 from .simulation import Simulation, Task
-from .store import RunFolder, commit, machine, now
+from .stop import heard_between_steps
+from .store import RunFolder, commit, finite, machine, now, told
 from .tasks import History, ProgressBar, Snapshots
 
-BYTES_PER_POINT = 190  # fields, indices and the sort's scratch, fp64
-BYTES_PER_NODE = 164
-# Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
-TYPICAL_RATE = {"avx512": 9e6, "avx2": 6e6, "scalar": 2.5e6}
+# What the measures need of a manifest.
+MEASURED = {
+    "run": {"points", "steps", "time", "particle_steps_per_second", "max_compression"},
+    "options": {"scheme", "shape_functions", "precision"},
+    "ledger": {*results.SHARES, "initial", "error"},
+    "counters": set(),
+}
 
 
 def run_scene(
@@ -31,22 +37,39 @@ def run_scene(
     folder = RunFolder.create(path, scene, force=force)
     started = now()
     tasks: list[Task] = [History(folder, scene.output.history), Snapshots(folder, scene.output.snapshots)]
-    bar = ProgressBar(simulation) if progress else None
     status = "failed"
-    try:
-        simulation.run(tasks, watch=bar.watch if bar else None)
-        status = "finished"
-    except KeyboardInterrupt:
-        status = "interrupted"
-        for task in tasks:
-            task.act(simulation)
-    except RuntimeError as error:
-        raise PockmarkError(f"{path}: the run stopped at {simulation.time:.4g} s: {error}") from None
-    finally:
-        if bar:
-            bar.close()
-        folder.write_manifest(_manifest(simulation, status, started))
+    with heard_between_steps() as stop_if_asked:
+        bar = ProgressBar(simulation) if progress else None
+
+        def watch(simulation: Simulation) -> None:
+            if bar:
+                bar.watch(simulation)
+            stop_if_asked()
+
+        try:
+            simulation.run(tasks, watch=watch)
+            status = "finished"
+        except KeyboardInterrupt:
+            status = "interrupted"
+            _write_last(tasks, simulation)
+        except Exception as error:
+            with suppress(PockmarkError, MemoryError):  # what stopped the run may stop this too
+                _write_last(tasks, simulation)
+            if isinstance(error, RuntimeError):
+                when = f"the run stopped at {simulation.time:.4g} s"
+                raise PockmarkError(f"{path}: {when}: {error}") from None
+            raise
+        finally:
+            if bar:
+                bar.close()
+            folder.write_manifest(_manifest(simulation, status, started))
     return folder, status == "finished"
+
+
+def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:
+    """A last row and snapshot, so that the crater and the energies that are measured are of the same time."""
+    for task in tasks:
+        task.act(simulation)
 
 
 def _manifest(simulation: Simulation, status: str, started: str) -> dict[str, Any]:
@@ -89,24 +112,37 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     """Crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
     folder = RunFolder.open(path)
     scene, manifest = folder.scene(), folder.manifest()
-    if not {"run", "options", "ledger", "counters", "failure_treatment"} <= manifest.keys():
+    if "ledger" not in manifest:
         raise PockmarkError(f"{path}: the run has not ended (status '{manifest.get('status')}')")
+    for part, keys in MEASURED.items():
+        there = manifest.get(part)
+        if missing := sorted(keys - set(there if isinstance(there, dict) else ())):
+            raise PockmarkError(
+                f"{path}: its manifest lacks {part}.{missing[0]}; it is torn or of another version"
+            )
     numerics = manifest["options"]
+    ledger = {key: math.nan if value is None else value for key, value in manifest["ledger"].items()}
     run = manifest["run"] | {
-        "failure_treatment": manifest["failure_treatment"],
+        "failure_treatment": treatments(scene),
         "scheme": numerics["scheme"],
         "shape_functions": numerics["shape_functions"],
         "precision": numerics["precision"],
-        "status": manifest["status"],
+        "status": str(manifest.get("status")),
+        "end_time": scene.end_time,
     }
+    snapshot = folder.last_snapshot()
     table = results.result_table(
-        _crater(folder, scene), _projectile_diameter(scene), manifest["ledger"], run, manifest["counters"]
+        _crater(snapshot, scene),
+        float(snapshot["time"][0]),
+        _projectile_diameter(scene),
+        ledger,
+        run,
+        manifest["counters"],
     )
-    history = folder.history()
-    table["energy"]["ledger_error_max"] = float(
-        np.abs(history["error"]).max() / (history["initial"][0] or 1.0)
-    )
-    return table
+    history = folder.history("error", "initial")
+    initial = float(history["initial"][0])
+    table["energy"]["ledger_error_max"] = float(np.abs(history["error"]).max()) / initial if initial else None
+    return dict(finite(table))
 
 
 def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
@@ -119,28 +155,37 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     figures = {
         "crater.png": slice_figure(
             snapshot,
-            bodies_projectile=scene.projectiles,
+            Cast([body.name for body in scene.body], scene.projectiles),
+            plane=_slice_plane(scene),
             spacing=_target_spacing(scene),
-            crater=_crater(folder, scene),
+            crater=_crater(snapshot, scene),
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
         ),
-        "history.png": history_figure(folder.history()),
+        "history.png": history_figure(folder.history(*HISTORY_COLUMNS)),
     }
-    try:
+    with told(target):
         target.mkdir(parents=True, exist_ok=True)
         for name, figure in figures.items():
             figure.savefig(target / name, dpi=150)
-    except OSError as error:
-        raise PockmarkError(f"{target}: {error.strerror}") from None
     return [target / name for name in figures]
 
 
-def _crater(folder: RunFolder, scene: Scene) -> Crater | None:
-    if not scene.targets:
-        return None
+def _crater(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Crater | None:
     return results.crater_of(
-        folder.last_snapshot(), target_bodies=scene.targets, spacing=_target_spacing(scene), half=scene.half
+        snapshot,
+        target_bodies=scene.targets,
+        spacing=_target_spacing(scene),
+        mirrors=scene.mirrors,
     )
+
+
+def _slice_plane(scene: Scene) -> float:
+    """The y of the picture's slice, m: a symmetry plane, or else through the first projectile."""
+    for mirror in scene.mirrors:
+        if mirror.axis == 1:
+            return mirror.at
+    lower, upper = scene.body[scene.projectiles[0]].box if scene.projectiles else scene.grid.box
+    return (lower[1] + upper[1]) / 2
 
 
 def _target_spacing(scene: Scene) -> float:
@@ -153,95 +198,5 @@ def _projectile_diameter(scene: Scene) -> float:
         return 0.0
     body = scene.body[scene.projectiles[0]]
     if isinstance(body, Sphere):
-        return 2 * max(1, round(body.radius / body.spacing)) * body.spacing
+        return 2 * body.points_a_radius * body.spacing
     return body.upper[2] - body.lower[2]
-
-
-@dataclass(frozen=True)
-class Forecast:
-    """What a run will take, before anything runs."""
-
-    points: int
-    cells: int
-    steps: int
-    memory: float  # bytes
-    seconds: float
-    warnings: list[str] = field(default_factory=list)
-
-
-def forecast(scene: Scene, threads: int) -> Forecast:
-    """Points, cells, steps, memory and time of a scene, with warnings."""
-    points = sum(_point_count(scene, i) for i in range(len(scene.body)))
-    speed = max(m.dilatational_speed for m in scene.materials.values()) + scene.impact.speed
-    # Shocked material is faster and strain limits some steps: 1.35 is what model 1 needed.
-    steps = math.ceil(1.35 * scene.end_time / (scene.numerics.cfl * scene.grid.cell / speed))
-    nodes = math.prod(n + 3 for n in scene.grid.cells)
-    slower = 2.0 if scene.numerics.shape_functions == "quadratic" else 1.0
-    size = 1.0 if scene.numerics.precision == "double" else 0.5
-    rate = TYPICAL_RATE[_core.build_info()["isa"]] * threads
-    return Forecast(
-        points=points,
-        cells=scene.grid.cell_count,
-        steps=steps,
-        memory=size * (points * BYTES_PER_POINT + nodes * BYTES_PER_NODE),
-        seconds=points * steps * slower / rate,
-        warnings=warnings(scene),
-    )
-
-
-def _point_count(scene: Scene, index: int) -> int:
-    x = lattice(scene.body[index])
-    lower, upper = scene.grid.lower, scene.grid.corner
-    return int(((x >= lower) & (x < upper)).all(axis=1).sum())
-
-
-def warnings(scene: Scene) -> list[str]:
-    """What a careful analyst would ask about this scene."""
-    out = []
-    for i, body in enumerate(scene.body):
-        lower, upper = body.box
-        if isinstance(body, Sphere) and round(2 * body.radius / body.spacing) < 4:
-            out.append(f"body[{i}] '{body.name}': fewer than 4 points across the sphere")
-        per_cell = scene.grid.cell / body.spacing
-        if per_cell < 2:
-            out.append(
-                f"body[{i}] '{body.name}': {per_cell:.2g} points a cell along an axis; 2 is the usual least"
-            )
-        if abs(off := _surface_offset(body)) > 0.01 * body.spacing:
-            out.append(
-                f"body[{i}] '{body.name}': its points' surface lies {off * 1e6:+.3g} um from the written one, as its "
-                "spacing does not divide its size"
-            )
-        if not body.projectile:
-            continue
-        diameter = upper[2] - lower[2]
-        for axis, name in ((0, "x"), (1, "y")):
-            faces = (scene.boundary.faces[2 * axis], scene.boundary.faces[2 * axis + 1])
-            gaps = (lower[axis] - scene.grid.lower[axis], scene.grid.corner[axis] - upper[axis])
-            near = [g for g, f in zip(gaps, faces, strict=True) if f != "symmetry" and g < 2 * diameter]
-            if near:
-                out.append(
-                    f"body[{i}] '{body.name}': {min(near) * 1e6:.3g} um from a face along {name}, less than two "
-                    "diameters; the crater may feel it"
-                )
-    for name in dict.fromkeys(b.material for b in scene.body):
-        out += _failure_warning(name, scene)
-    return out
-
-
-def _surface_offset(body: Block | Sphere) -> float:
-    """How far the points reach beyond a block's upper face in z, or a sphere's radius, m; negative if short of it."""
-    if isinstance(body, Sphere):
-        return max(1, round(body.radius / body.spacing)) * body.spacing - body.radius
-    return block_counts(body)[2] * body.spacing - (body.upper[2] - body.lower[2])
-
-
-def _failure_warning(name: str, scene: Scene) -> list[str]:
-    f = scene.materials[name].failure
-    if f.treatment == "inactive" or f.D2 == 0.0 or f.D3 == 0.0 or -f.D1 / f.D2 <= 0.0:
-        return []
-    limit = math.log(-f.D1 / f.D2) / f.D3
-    return [
-        f"material '{name}': its failure strain is <= 0 above a triaxiality of {limit:.4f}; there the treatment "
-        f"'{f.treatment}' decides the crater"
-    ]

@@ -1,25 +1,32 @@
 """The scene: everything a user decides about a run, SI inside. The defaults of pockmark live here."""
 
-import difflib
 import hashlib
 import itertools
 import json
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
-from .errors import PockmarkError
-from .materials import Material, Model, complete, merge
+from .bodies import Block, Body, Sphere, Vector, overlap
+from .errors import PockmarkError, found
+from .lattice import count, size
+from .materials import Material, Model, complete
+from .overrides import override
+from .sentences import sentence
+from .toml import to_toml
 from .units import Angle, Length, Number, Speed, Time
 
-Vector = tuple[Length, Length, Length]
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
-MAX_CELLS = 2**31  # what the core can number, with its rim of extra nodes
+MAX_NODES = MAX_POINTS = 2**32 - 2  # what the core can number
+MAX_BODIES = 255
+MAX_STEPS = 1e9  # years
+MAX_OUTPUTS = 1e6
 
 
 class Grid(Model):
@@ -45,14 +52,19 @@ class Grid(Model):
         """The upper corner after rounding to whole cells, m."""
         return tuple(w + n * self.cell for w, n in zip(self.lower, self.cells, strict=True))
 
+    @property
+    def box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Lower and upper corners, m."""
+        return self.lower, self.corner
+
     @model_validator(mode="after")
     def _has_size(self) -> Self:
         if min(u - w for w, u in zip(self.lower, self.upper, strict=True)) <= 0:
             raise ValueError("upper must exceed lower in each direction")
-        if self.cell_count > MAX_CELLS:
-            raise ValueError(
-                f"a cell of {self.cell:g} m makes {self.cell_count:.3g} cells, at most {MAX_CELLS} fit"
-            )
+        # With the rim around them; in floats, which may be infinite where no whole number is.
+        nodes = math.prod((u - w) / self.cell + 4 for w, u in zip(self.lower, self.upper, strict=True))
+        if not nodes <= MAX_NODES:
+            raise ValueError(f"a cell of {self.cell:g} m makes {nodes:.3g} nodes, at most {MAX_NODES} fit")
         return self
 
 
@@ -72,56 +84,27 @@ class Boundary(Model):
         return (self.x_lower, self.x_upper, self.y_lower, self.y_upper, self.z_lower, self.z_upper)
 
 
-class Block(Model):
-    """A brick of material between two corners."""
+@dataclass(frozen=True)
+class Mirror:
+    """A symmetry plane at coordinate `at` (m) of an axis; `above`: it is the upper face of what is computed."""
 
-    shape: Literal["block"]
-    name: str
-    material: str
-    spacing: Annotated[Length, Field(gt=0)]
-    projectile: bool = False
-    lower: Vector
-    upper: Vector
-
-    @model_validator(mode="after")
-    def _has_size(self) -> Self:
-        if min(u - w for w, u in zip(self.lower, self.upper, strict=True)) <= 0:
-            raise ValueError("upper must exceed lower in each direction")
-        return self
-
-    @property
-    def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners, m."""
-        return self.lower, self.upper
-
-
-class Sphere(Model):
-    """A ball of material. Its radius is rounded to a whole number of point spacings."""
-
-    shape: Literal["sphere"]
-    name: str
-    material: str
-    spacing: Annotated[Length, Field(gt=0)]
-    projectile: bool = False
-    center: Vector
-    radius: Annotated[Length, Field(gt=0)]
-
-    @property
-    def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners of the ball's bounding box, m."""
-        x, y, z = self.center
-        r = self.radius
-        return (x - r, y - r, z - r), (x + r, y + r, z + r)
-
-
-Body = Annotated[Block | Sphere, Field(discriminator="shape")]
+    axis: int
+    at: float
+    above: bool
 
 
 class Impact(Model):
     """Velocity of the projectile bodies: speed, and angle from the normal of the surface towards +x."""
 
     speed: Annotated[Speed, Field(ge=0)]
-    angle: Annotated[Angle, Field(ge=0, lt=math.pi / 2)] = 0.0
+    angle: Angle = 0.0
+
+    @field_validator("angle")
+    @classmethod
+    def _comes_from_above(cls, angle: float) -> float:
+        if not 0 <= angle < math.pi / 2:
+            raise ValueError(f"found {math.degrees(angle):g} deg, expected 0 deg to less than 90 deg")
+        return angle
 
     @property
     def velocity(self) -> tuple[float, float, float]:
@@ -162,38 +145,46 @@ class Scene(Model):
     output: Output = Output()
 
     @classmethod
-    def load(cls, path: str | Path, overrides: Sequence[str] = ()) -> "Scene":
-        """Read a TOML scene; `overrides` are texts "key.key=value". Raises PockmarkError."""
+    def load(cls, path: str | Path, overrides: str | Sequence[str] = ()) -> "Scene":
+        """Read a TOML scene; `overrides` are texts "key.key=value", or one such. Raises PockmarkError."""
         try:
             table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
         except OSError as error:
             raise PockmarkError(f"{path}: cannot be read ({error.strerror})") from None
         except UnicodeDecodeError:
             raise PockmarkError(f"{path}: is not a text file") from None
-        except tomllib.TOMLDecodeError as error:
+        except (ValueError, RecursionError) as error:  # not only TOMLDecodeError: a number of 5000 digits
             raise PockmarkError(f"{path}: is not TOML ({error})") from None
         return cls.from_dict(table, source=str(path), overrides=overrides)
 
     @classmethod
     def from_dict(
-        cls, table: Mapping[str, Any], *, source: str = "scene", overrides: Sequence[str] = ()
+        cls, table: Mapping[str, Any], *, source: str = "scene", overrides: str | Sequence[str] = ()
     ) -> "Scene":
         """Build a scene from a table as TOML gives it. Raises PockmarkError naming `source` and the key."""
         try:
             merged = dict(table)
-            for text in overrides:
-                merged = merge(merged, _override(text))
+            for text in [overrides] if isinstance(overrides, str) else overrides:
+                merged = override(merged, text)
             merged["materials"] = _materials_used(merged)
             return cls.model_validate(merged)
         except ValidationError as error:
-            raise PockmarkError(f"{source}: {_sentence(error)}") from None
+            raise PockmarkError(f"{source}: {sentence(error)}") from None
         except PockmarkError as error:
             raise PockmarkError(f"{source}: {error}") from None
 
     @model_validator(mode="after")
+    def _can_be_saved(self) -> Self:
+        try:
+            self.to_toml().encode()
+        except UnicodeEncodeError as error:
+            raise ValueError(f"found {error.object[error.start]!r} in a text, expected Unicode") from None
+        return self
+
+    @model_validator(mode="after")
     def _bodies_fit(self) -> Self:
-        for name, material in self.materials.items():
-            _check_laws(name, material)
+        if len(self.body) > MAX_BODIES:
+            raise ValueError(f"body: found {len(self.body)} bodies, at most {MAX_BODIES} are allowed")
         names = [b.name for b in self.body]
         for i, b in enumerate(self.body):
             key = f"body[{i}] '{b.name}'"
@@ -201,8 +192,35 @@ class Scene(Model):
                 raise ValueError(f"{key}: two bodies have this name")
             self._check_inside(key, b)
         for (i, a), (j, b) in itertools.combinations(enumerate(self.body), 2):
-            if _overlap(a, b):
+            if overlap(a, b):
                 raise ValueError(f"body[{j}] '{b.name}': overlaps body[{i}] '{a.name}'")
+        return self
+
+    @model_validator(mode="after")
+    def _points_fit(self) -> Self:
+        total = 0.0
+        for i, body in enumerate(self.body):
+            key = f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m"
+            total += size(body)
+            if not total <= MAX_POINTS:
+                raise ValueError(f"{key} makes {size(body):.3g} points, at most {MAX_POINTS} fit")
+            if count(body, self.grid.box) == 0:
+                raise ValueError(f"{key} leaves it without points")
+        return self
+
+    @model_validator(mode="after")
+    def _comes_to_an_end(self) -> Self:
+        for name, material in self.materials.items():
+            _check_laws(name, material)
+        if not self.steps_about <= MAX_STEPS:
+            raise ValueError(
+                f"end_time: {self.end_time:g} s takes about {self.steps_about:.3g} steps with waves of {self.wave_speed:.3g} "
+                f"m/s in cells of {self.grid.cell:g} m, at most {MAX_STEPS:.0e} are allowed"
+            )
+        for key, interval in self.output.model_dump().items():
+            if interval < self.end_time / MAX_OUTPUTS:
+                least = f"at least end_time/{MAX_OUTPUTS:.0e} = {self.end_time / MAX_OUTPUTS:g} s is needed"
+                raise ValueError(f"output.{key}: found {interval:g} s, {least}")
         return self
 
     def _check_inside(self, key: str, body: Block | Sphere) -> None:
@@ -229,7 +247,7 @@ class Scene(Model):
 
     def to_toml(self) -> str:
         """The scene as TOML with every default written out, SI numbers."""
-        return _toml(self.to_dict())
+        return to_toml(self.to_dict())
 
     def save(self, path: str | Path) -> None:
         """Write to_toml() to a file."""
@@ -251,9 +269,24 @@ class Scene(Model):
         return tuple(i for i, b in enumerate(self.body) if not b.projectile)
 
     @property
-    def half(self) -> bool:
-        """Whether y = 0 is a symmetry plane and half of the space is computed."""
-        return self.boundary.y_lower == "symmetry" and self.grid.lower[1] == 0.0
+    def wave_speed(self) -> float:
+        """The fastest sound at rest, and the projectile's speed, m/s."""
+        return max(m.dilatational_speed for m in self.materials.values()) + self.impact.speed
+
+    @property
+    def steps_about(self) -> float:
+        """About how many steps a run takes; infinite for absurd materials."""
+        # Shocked material is faster and strain limits some steps: 1.35 is what model 1 needed.
+        return 1.35 * self.end_time / self.numerics.cfl / self.grid.cell * self.wave_speed
+
+    @property
+    def mirrors(self) -> tuple[Mirror, ...]:
+        """The symmetry planes across the surface; what lies behind them is not computed."""
+        return tuple(
+            Mirror(i // 2, at=(self.grid.lower, self.grid.corner)[i % 2][i // 2], above=bool(i % 2))
+            for i, kind in enumerate(self.boundary.faces[:4])
+            if kind == "symmetry"
+        )
 
 
 def _check_laws(name: str, material: Material) -> None:
@@ -264,105 +297,18 @@ def _check_laws(name: str, material: Material) -> None:
         raise ValueError(f"materials.{name}: {error}") from None
 
 
-def _override(text: str) -> dict[str, Any]:
-    """ "a.b=value" as nested tables; the value is TOML, or else a plain text."""
-    key, equals, value = text.partition("=")
-    if not equals or not key.strip():
-        raise PockmarkError(f"--set {text}: expected key=value")
-    try:
-        out: Any = tomllib.loads(f"v = {value}")["v"]
-    except tomllib.TOMLDecodeError:
-        out = value.strip()
-    for part in reversed(key.strip().split(".")):
-        out = {part: out}
-    return dict(out)
-
-
 def _materials_used(table: Mapping[str, Any]) -> dict[str, Any]:
     """Complete tables of the materials that the bodies name and of those written in the scene."""
     written = table.get("materials", {})
-    bodies = table.get("body", [])
+    bodies = table.get("body", [{}])
     if not isinstance(written, Mapping):
-        raise PockmarkError(f"materials: found {written!r}, expected a table")
-    if not isinstance(bodies, Sequence):
-        bodies = []  # validation tells
-    names = [b["material"] for b in bodies if isinstance(b, Mapping) and isinstance(b.get("material"), str)]
-    return {name: complete(name, written.get(name)) for name in dict.fromkeys([*names, *written])}
-
-
-def _overlap(a: Block | Sphere, b: Block | Sphere) -> bool:
-    """Whether two bodies share more than a surface."""
-    if isinstance(a, Sphere) and isinstance(b, Sphere):
-        return math.dist(a.center, b.center) < (a.radius + b.radius) * (1 - 1e-9)
-    if isinstance(a, Block) and isinstance(b, Block):
-        gaps = [
-            max(al, bl) - min(au, bu)
-            for al, au, bl, bu in zip(a.lower, a.upper, b.lower, b.upper, strict=True)
-        ]
-        return max(gaps) < -1e-9 * max(a.spacing, b.spacing)
-    sphere, block = (a, b) if isinstance(a, Sphere) else (b, a)
-    assert isinstance(sphere, Sphere)
-    assert isinstance(block, Block)
-    nearest = [min(max(c, w), u) for c, w, u in zip(sphere.center, block.lower, block.upper, strict=True)]
-    return math.dist(nearest, sphere.center) < sphere.radius * (1 - 1e-9)
-
-
-def _sentence(error: ValidationError) -> str:
-    """The first fault of a validation as one sentence: key, what was found, what is allowed."""
-    first = error.errors()[0]
-    key = _key(first["loc"])
-    kind, message, found = first["type"], first["msg"].removeprefix("Value error, "), first.get("input")
-    if kind == "extra_forbidden":
-        near = difflib.get_close_matches(str(first["loc"][-1]), _all_keys(), n=1)
-        return f"{key}: unknown key" + (f", did you mean '{near[0]}'?" if near else "")
-    if kind == "missing":
-        return f"{key}: is missing"
-    if kind == "value_error":
-        return f"{key}: {message}" if key else message
-    return f"{key}: found {found!r}, {message[0].lower()}{message[1:]}"
-
-
-def _key(location: tuple[int | str, ...]) -> str:
-    """("body", 0, "block", "radius") as "body[0].radius"."""
-    tags = {"block", "sphere", "mie-gruneisen", "linear", "johnson-cook", "elastic", "fluid"}
-    out = ""
-    for i, part in enumerate(location):
-        if isinstance(part, int):
-            out += f"[{part}]"
-        elif not (part in tags and i > 0):
-            out += f".{part}" if out else part
-    return out
-
-
-def _all_keys() -> list[str]:
-    models: list[type[Model]] = [Scene, Grid, Boundary, Block, Sphere, Impact, Numerics, Output, Material]
-    return sorted({key for model in models for key in model.model_fields})
-
-
-def _toml(table: Mapping[str, Any], prefix: str = "") -> str:
-    """Minimal TOML writer for the plain tables of a scene (tomllib only reads)."""
-    lines = [f"{k} = {_toml_value(v)}" for k, v in table.items() if not _is_table(v)]
-    for key, value in table.items():
-        path = f"{prefix}{json.dumps(key) if not key.replace('-', '').replace('_', '').isalnum() else key}"
-        if isinstance(value, Mapping):
-            lines += ["", f"[{path}]", _toml(value, f"{path}.").rstrip("\n")]
-        elif _is_table(value):
-            for item in value:
-                lines += ["", f"[[{path}]]", _toml(item, f"{path}.").rstrip("\n")]
-    return "\n".join(lines).lstrip("\n") + "\n"
-
-
-def _is_table(value: Any) -> bool:
-    return isinstance(value, Mapping) or (
-        isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
-    )
-
-
-def _toml_value(value: Any) -> str:
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        return repr(value) if math.isfinite(value) else str(value)
-    if isinstance(value, list):
-        return "[" + ", ".join(_toml_value(v) for v in value) + "]"
-    return json.dumps(value)
+        raise PockmarkError(f"materials: {found(written)}, expected a table")
+    if not isinstance(bodies, list | tuple) or not bodies:
+        raise PockmarkError(f"body: {found(bodies)}, expected one [[body]] or more")
+    users: dict[str, str] = dict.fromkeys(written, "")
+    for i, body in enumerate(bodies):
+        if not isinstance(body, Mapping):
+            raise PockmarkError(f"body[{i}]: {found(body)}, expected a table")
+        if isinstance(name := body.get("material"), str):
+            users.setdefault(name, f"body[{i}].material")
+    return {name: complete(name, written.get(name), user) for name, user in users.items()}

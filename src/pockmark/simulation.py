@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from .errors import PockmarkError
 from .points import make_points
 from .scene import Scene
 
@@ -28,13 +29,13 @@ class Simulation:
     def __init__(
         self, scene: Scene, threads: int | None = None, lanes: bool | None = None, sleep: bool = True
     ) -> None:
-        """Make the points and the grid. Raises PockmarkError if a body has no points.
+        """Make the points and the grid. Raises PockmarkError on a body without points or too many threads.
 
         `lanes=False` takes the scalar driver, the reference, where the core has SIMD lanes; `sleep=False` steps
         what is at rest too, with the same result.
         """
         self.scene = scene
-        self.threads = threads or len(os.sched_getaffinity(0))
+        self.threads = thread_count(threads)
         self.stepping_seconds = 0.0
         self.point_steps = 0
         numerics = scene.numerics
@@ -154,6 +155,17 @@ class Simulation:
                 self.advance(target, max_steps=max(1, 2_000_000 // max(self.points, 1)))
                 if watch:
                     watch(self)
+
+
+def thread_count(asked: int | None) -> int:
+    """The threads to use: every core for 0 or None. Raises PockmarkError where more could only be in each other's way."""
+    cores = len(os.sched_getaffinity(0))
+    most = 4 * cores
+    if not 0 <= (asked or 0) <= most:
+        raise PockmarkError(
+            f"threads: found {asked}, allowed are 1 to {most} (four a core), and 0 for every core"
+        )
+    return asked or cores
 
 
 class LiveFields(Mapping[str, NDArray[Any]]):

@@ -2,8 +2,10 @@
 
 import csv
 import json
+import math
 import os
 import platform
+import re
 import subprocess
 import time
 from collections.abc import Iterator, Mapping
@@ -44,7 +46,7 @@ class RunFolder:
     def create(cls, path: str | Path, scene: Scene, *, force: bool = False) -> "RunFolder":
         """Make the folder for a new run. Raises PockmarkError if something else is there."""
         folder = cls(Path(path))
-        with _told(path):
+        with told(path):
             if folder.path.exists() and not folder.path.is_dir():
                 raise PockmarkError(f"{path}: is a file, expected a folder to write the run to")
             if folder.path.exists() and any(folder.path.iterdir()):
@@ -88,7 +90,7 @@ class RunFolder:
 
     def manifest(self) -> dict[str, Any]:
         """manifest.json as a dictionary."""
-        with _told(self.path / MANIFEST):
+        with told(self.path / MANIFEST):
             try:
                 manifest = json.loads((self.path / MANIFEST).read_text(encoding="utf-8"))
             except ValueError as error:
@@ -100,12 +102,12 @@ class RunFolder:
     def write_manifest(self, manifest: Mapping[str, Any]) -> None:
         """Replace manifest.json in one go."""
         with _replaced(self.path / MANIFEST) as part:
-            part.write_text(json.dumps(manifest, indent=2) + "\n", encoding="utf-8")
+            part.write_text(to_json(manifest) + "\n", encoding="utf-8")
 
     def append_history(self, row: Mapping[str, float]) -> None:
         """Add a row to history.csv; the first one writes the header."""
         path = self.path / HISTORY
-        with _told(path):
+        with told(path):
             is_new = not path.exists()
             with path.open("a", newline="", encoding="utf-8") as file:
                 writer = csv.DictWriter(file, fieldnames=list(row))
@@ -113,15 +115,18 @@ class RunFolder:
                     writer.writeheader()
                 writer.writerow(row)
 
-    def history(self) -> dict[str, NDArray[np.float64]]:
-        """Columns of history.csv."""
+    def history(self, *needed: str) -> dict[str, NDArray[np.float64]]:
+        """Columns of history.csv. Raises PockmarkError if one that is `needed` is missing."""
         path = self.path / HISTORY
-        with _told(path), path.open(newline="", encoding="utf-8") as file:
+        with told(path), path.open(newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         try:
-            return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+            columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
         except (IndexError, TypeError, ValueError):
             raise PockmarkError(f"{path}: is empty or torn, expected a number in each column") from None
+        if missing := [name for name in needed if name not in columns]:
+            raise PockmarkError(f"{path}: lacks the column {missing[0]}")
+        return columns
 
     def snapshots(self) -> list[Path]:
         """Snapshot files in the order of time."""
@@ -148,7 +153,7 @@ class RunFolder:
 
 def read_snapshot(path: Path) -> dict[str, NDArray[Any]]:
     """Fields of a snapshot file; `time` is an array of one."""
-    with _told(path):
+    with told(path):
         try:
             with h5py.File(path, "r") as file:
                 root = file["VTKHDF"]
@@ -236,8 +241,22 @@ def now() -> str:
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
 
 
+def finite(value: Any) -> Any:
+    """The value, with None for what is no number (nan, inf) anywhere in its tables and lists: JSON has no word for it."""
+    if isinstance(value, Mapping):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def to_json(value: Any) -> str:
+    """JSON that every reader reads."""
+    return json.dumps(finite(value), indent=2, allow_nan=False)
+
+
 @contextmanager
-def _told(path: str | Path) -> Iterator[None]:
+def told(path: str | Path) -> Iterator[None]:
     """Turn a failure of the system into one sentence about `path`."""
     try:
         yield
@@ -246,7 +265,9 @@ def _told(path: str | Path) -> Iterator[None]:
 
 
 def _reason(error: Exception) -> str:
-    """What the system or HDF5 says, on one line."""
+    """What the system says, on one line; HDF5 hides its number in the middle of a message."""
+    if number := re.search(r"errno = (\d+)", str(error)):
+        return os.strerror(int(number[1]))
     return (isinstance(error, OSError) and error.strerror) or " ".join(str(error).split())
 
 
@@ -254,7 +275,7 @@ def _reason(error: Exception) -> str:
 def _replaced(path: Path) -> Iterator[Path]:
     """Write a file under another name first, so that a failure leaves the old one whole."""
     part = path.with_name(path.name + ".part")
-    with _told(path):
+    with told(path):
         try:
             yield part
             part.replace(path)

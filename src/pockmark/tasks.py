@@ -26,6 +26,9 @@ LEDGER = (
     "momentum_x",
     "momentum_y",
     "momentum_z",
+    "left_momentum_x",
+    "left_momentum_y",
+    "left_momentum_z",
 )
 
 
@@ -35,9 +38,12 @@ class History:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
+        self._written = -1
 
     def act(self, simulation: Simulation) -> None:
-        """Write a row."""
+        """Write a row, if there is none of this step yet."""
+        if simulation.steps == self._written:
+            return
         ledger = simulation.ledger()
         row = {"time": simulation.time, "step": float(simulation.steps), "points": float(simulation.points)}
         row |= {key: ledger[key] for key in LEDGER}
@@ -45,6 +51,7 @@ class History:
         row["max_compression"] = simulation.max_compression
         row |= {key: float(value) for key, value in simulation.counters().items()}
         self.folder.append_history(row)
+        self._written = simulation.steps
 
 
 class Snapshots:
@@ -53,11 +60,15 @@ class Snapshots:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
+        self._written = -1
 
     def act(self, simulation: Simulation) -> None:
-        """Write all fields of all points."""
+        """Write all fields of all points, if this step's are not written yet."""
+        if simulation.steps == self._written:
+            return
         # Field by field: all at once would double the memory of the run.
         self.folder.write_snapshot(LiveFields(simulation), simulation.time, simulation.steps)
+        self._written = simulation.steps
 
 
 class ProgressBar:
@@ -84,7 +95,7 @@ class ProgressBar:
         self._shown = time.monotonic()
         state = (
             f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s"
-            f"  depth {current_depth(simulation) * 1e6:.1f} um"
+            f"  depth about {current_depth(simulation) * 1e6:.1f} um"
         )
         self._bar.update(self._task, completed=simulation.time, state=state)
 
@@ -94,7 +105,7 @@ class ProgressBar:
 
 
 def current_depth(simulation: Simulation) -> float:
-    """Depth of the target's surface on the axis of the first projectile now, m; a quick estimate."""
+    """Depth of the target's surface on the axis of the first projectile now, m; a quick estimate, not C_p."""
     scene = simulation.scene
     target = scene.body[scene.targets[0]] if scene.targets else scene.body[0]
     axis = (0.0, 0.0)

@@ -8,6 +8,8 @@ from typing import Annotated, Any
 import pint
 from pydantic import BeforeValidator
 
+from .errors import found
+
 
 @cache
 def _registry() -> pint.UnitRegistry[Any]:
@@ -22,25 +24,25 @@ def to_si(value: Any, unit: str) -> float:
     """
     number = _to_float(value, unit)
     if not math.isfinite(number):
-        raise ValueError(f"found {value!r}, expected a finite number")
+        raise ValueError(f"{found(value)}, expected a finite number")
     return number
 
 
 def _to_float(value: Any, unit: str) -> float:
     """to_si without the check that the number is finite."""
     if isinstance(value, bool):
-        raise ValueError(f"found {value}, expected a quantity in {unit or 'no unit'}")
+        raise ValueError(f"{found(value)}, expected a quantity in {unit or 'no unit'}")
     if isinstance(value, int | float):
-        return float(value)
+        return float(value) if abs(value) < 1e300 else math.inf  # a whole number may be beyond any float
     if not isinstance(value, str):
-        raise ValueError(f"found {value!r}, expected a number or a text like '20 {unit}'")
+        raise ValueError(f"{found(value)}, expected a number or a text like '20 {unit}'")
     try:
         quantity: Any = _registry().Quantity(value)
         return float(quantity.to(unit or "dimensionless").magnitude)
     except pint.DimensionalityError:
-        raise ValueError(f"found '{value}', expected a quantity in {unit or 'no unit'}") from None
+        raise ValueError(f"{found(value)}, expected a quantity in {unit or 'no unit'}") from None
     except Exception:
-        raise ValueError(f"found '{value}', which is not a quantity such as '20 {unit}'") from None
+        raise ValueError(f"{found(value)}, which is not a quantity such as '20 {unit}'") from None
 
 
 def _quantity(unit: str) -> BeforeValidator:

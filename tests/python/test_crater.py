@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pockmark.crater import measure_crater, target_surface
+from pockmark.scene import Mirror
 
 UM = 1e-6
 H = 2.0 * UM  # point spacing; a cell is 2 H
@@ -20,8 +21,11 @@ def block(keep):
     return x[share > 0] * UM, share[share > 0] * H**3
 
 
-def measured(points, half=True):
-    return measure_crater(target_surface(*points, H, half=half), spacing=H)
+HALF = (Mirror(1, 0.0, above=False),)
+
+
+def measured(points, mirrors=HALF):
+    return measure_crater(target_surface(*points, H, mirrors=mirrors), spacing=H)
 
 
 @pytest.mark.parametrize("radius", [12.0, 17.3, 24.0])
@@ -68,3 +72,29 @@ def test_an_off_axis_crater_is_found():
 
 def test_a_flat_target_has_no_crater():
     assert measured(block(lambda x, y, z: z < 0)) is None
+
+
+@pytest.mark.parametrize(
+    "faces", ["y_lower", "y_upper", "x_lower", "x_upper", "x_lower y_upper", "x_lower x_upper"]
+)
+@pytest.mark.parametrize("shift", [0.0, 6.0])
+def test_every_symmetry_plane_is_mirrored(faces, shift):
+    """What is left of a block by its symmetry planes, wherever they are, gives the whole block's crater."""
+    position, volume = block(lambda x, y, z: x**2 + y**2 + z**2 > 17.3**2)
+    whole = measured((position, volume))
+    position = np.concatenate([position, position * (1, -1, 1)])
+    volume = np.tile(volume, 2)
+    mirrors = []
+    for face in faces.split():
+        axis, above = "xy".index(face[0]), face.endswith("upper")
+        at = 80 * UM if faces == "x_lower x_upper" and above else 0.0
+        kept = (position[:, axis] < at) == above
+        position, volume = position[kept], volume[kept]
+        mirrors.append(Mirror(axis, at + shift * UM, above))
+    crater = measured((position + np.array([shift, shift, 0]) * UM, volume), mirrors)
+    # Four columns are deepest alike; which is taken moves the fitted bottom by a thousandth.
+    assert crater.depth == pytest.approx(whole.depth, rel=5e-3)
+    assert crater.diameter == pytest.approx(whole.diameter, rel=1e-6)
+    assert crater.volume == pytest.approx(whole.volume, rel=1e-6)
+    for mirror in mirrors:  # the bottom is named where points are
+        assert (crater.bottom[mirror.axis] < mirror.at) == mirror.above

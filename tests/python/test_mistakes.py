@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pockmark import PockmarkError, Scene, measure
-from pockmark.run import forecast, run_scene
+from pockmark import PockmarkError, Scene, Simulation, measure
+from pockmark.forecast import forecast
+from pockmark.run import run_scene
 from pockmark.store import RunFolder, read_snapshot
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
@@ -24,6 +25,24 @@ SLIPS = [
     ("grid.cell=1e-30", "grid: a cell of 1e-30 m makes"),
     ("end_time=inf", "end_time: found inf"),
     ("impact.speed=inf", "impact.speed: found inf"),
+    ("title='\udcff'", "found '\\udcff' in a text, expected Unicode"),
+    ("grid.cell=1e-300", "grid: a cell of 1e-300 m makes inf nodes"),
+    ("grid.upper=['50 um', '50 um', '1e9 um']", "grid: a cell of 5e-06 m makes"),
+    (f"end_time={'9' * 400}", "end_time: found 9999"),
+    (
+        "body.1.spacing='1e-6 um'",
+        "body[1] 'projectile': a spacing of 1e-12 m makes 4.19e+21 points, at most 4294967294 fit",
+    ),
+    ("body.0.spacing=1e-300", "body[0] 'target': a spacing of 1e-300 m makes inf points"),
+    ("body.1.spacing='30 um'", "body[1] 'projectile': a spacing of 3e-05 m leaves it without points"),
+    ("body.0.spacing='200 um'", "body[0] 'target': a spacing of 0.0002 m leaves it without points"),
+    (f"{ALUMINIUM}.density=1e-300", "end_time: 6e-08 s takes about inf steps with waves of inf m/s"),
+    ("end_time='1000 s'", "steps with waves of"),
+    (
+        "output.history='1e-9 ns'",
+        "output.history: found 1e-18 s, at least end_time/1e+06 = 6e-14 s is needed",
+    ),
+    ("output.snapshots=1e-300", "output.snapshots: found 1e-300 s"),
     ("materials=3", "materials: found 3, expected a table"),
     (f"{ALUMINIUM}=3", f"{ALUMINIUM}: found 3, expected a table"),
     (f"{ALUMINIUM}.based_on=['a']", f"{ALUMINIUM}.based_on: found"),
@@ -41,6 +60,22 @@ def test_a_slip_is_one_sentence(override, sentence):
     assert message.startswith(f"{QUICK}: ")
     assert sentence in message
     assert "\n" not in message
+
+
+def test_bodies_are_not_too_many():
+    table = Scene.load(QUICK).to_dict()
+    table["body"] = [table["body"][0] | {"name": str(i)} for i in range(256)]
+    with pytest.raises(PockmarkError, match="scene: body: found 256 bodies, at most 255 are allowed"):
+        Scene.from_dict(table)
+
+
+@pytest.mark.parametrize("threads", [-1, 100_000, 10**30])
+def test_threads_are_bounded(threads):
+    with pytest.raises(PockmarkError, match=f"threads: found {threads}, allowed are 1 to "):
+        Simulation(Scene.load(QUICK), threads)
+
+
+WITHOUT_OPTIONS = '{"scene_hash": "0", "run": {}, "options": {}, "ledger": {}, "counters": {}}'
 
 
 def test_another_model_replaces_the_library_s():
@@ -78,7 +113,9 @@ def test_force_does_not_take_a_strangers_manifest_for_a_run(tmp_path):
     assert (tmp_path / "thesis.tex").read_text() == "mine"
 
 
-@pytest.mark.parametrize("manifest", ["", "[1]", "{}", '{"scene_hash": "0"}'])
+@pytest.mark.parametrize(
+    "manifest", ["", "[1]", "{}", '{"scene_hash": "0"}', WITHOUT_OPTIONS, WITHOUT_OPTIONS.replace("{}", "3")]
+)
 def test_a_torn_manifest_is_told(manifest, tmp_path):
     Scene.load(QUICK).save(tmp_path / "scene.toml")
     (tmp_path / "manifest.json").write_text(manifest)
@@ -92,6 +129,12 @@ def test_a_torn_history_is_told(text, tmp_path):
     (tmp_path / "history.csv").write_text(text)
     with pytest.raises(PockmarkError, match=r"history\.csv: is empty or torn"):
         RunFolder(tmp_path).history()
+
+
+def test_a_history_without_a_column_is_told(tmp_path):
+    (tmp_path / "history.csv").write_text("time,depth\n1,2\n")
+    with pytest.raises(PockmarkError, match=r"history\.csv: lacks the column error"):
+        RunFolder(tmp_path).history("time", "error")
 
 
 def test_a_strangers_hdf5_file_is_told(tmp_path):
@@ -132,7 +175,7 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_half_file(tmp_path):
     print(said)
     assert run.returncode == 2
     assert len(said.strip().splitlines()) == 1
-    assert "snapshot-0000.vtkhdf: cannot be written" in said
+    assert "snapshot-0000.vtkhdf: cannot be written (File too large)" in said
     assert sorted(p.name for p in (tmp_path / "run").iterdir()) == [
         "history.csv",
         "manifest.json",
@@ -141,7 +184,8 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_half_file(tmp_path):
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "failed"
 
 
-def test_ctrl_c_stops_and_keeps_what_there_is(tmp_path):
+@pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGINT] * 3], ids=str)
+def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
     folder = tmp_path / "run"
     run = _short(
         folder,
@@ -152,12 +196,39 @@ def test_ctrl_c_stops_and_keeps_what_there_is(tmp_path):
     deadline = time.monotonic() + 60
     while not list(folder.glob("snapshot-0001.vtkhdf")) and time.monotonic() < deadline:
         time.sleep(0.1)
-    run.send_signal(signal.SIGINT)
+    for number in signals:
+        run.send_signal(number)
+        time.sleep(0.01)
     out, said = run.communicate(timeout=60)
     print(out, said)
     assert run.returncode == 130
+    assert said == ""
     assert RunFolder.open(folder).manifest()["status"] == "interrupted"
     assert 0 < measure(folder)["run"]["time"] < 10e-6
+
+
+PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED = """
+import os, signal, sys
+class Finder:
+    def find_spec(self, name, *rest):
+        if name == "numpy":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+from pockmark.__main__ import main
+main()
+"""
+
+
+def test_ctrl_c_during_the_imports_says_nothing():
+    run = subprocess.run(
+        [sys.executable, "-c", PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert run.returncode == -signal.SIGINT
+    assert run.stderr == ""
 
 
 def test_measure_tells_the_largest_ledger_error(tmp_path):

@@ -5,14 +5,16 @@ from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from pockmark.crater import Crater
-from pockmark.plots import history_figure, slice_figure
+from pockmark.plots import Cast, history_figure, slice_figure
 
 UM = 1e-6
 H = 2.0 * UM  # point spacing
 TARGET, PROJECTILE = 0, 1
+CAST = Cast(["slab", "cube"], [PROJECTILE])
 
 
 @pytest.fixture
@@ -34,7 +36,7 @@ def snapshot() -> dict[str, NDArray[Any]]:
 
 
 def draw(snapshot: dict[str, NDArray[Any]], crater: Crater | None = None) -> Any:
-    figure = slice_figure(snapshot, bodies_projectile=[PROJECTILE], spacing=H, crater=crater, title="a run")
+    figure = slice_figure(snapshot, CAST, plane=0.0, spacing=H, crater=crater, title="a run")
     panels = [axes for axes in figure.axes if axes.get_title()]
     return figure, panels
 
@@ -50,19 +52,50 @@ def test_slice_shows_only_the_points_at_the_symmetry_plane(snapshot):
 
 
 def test_slice_colours_are_effective_stress_and_pressure_in_mpa(snapshot):
-    _, (_, stress, pressure) = draw(snapshot)
-    assert np.allclose(stress.collections[0].get_array(), 100 * np.sqrt(3))
-    assert stress.collections[0].get_clim() == (0, 600)
-    assert np.allclose(pressure.collections[0].get_array(), -250)
-    assert pressure.collections[0].get_clim() == (-600, 600)
+    figure, (_, stress, pressure) = draw(snapshot)
+    for axes, value, limits, colours in (
+        (stress, 100 * np.sqrt(3), (0, 600), "viridis"),
+        (pressure, -250, (-600, 600), "coolwarm"),
+    ):
+        expected = colormaps[colours]((value - limits[0]) / (limits[1] - limits[0]))
+        assert np.allclose(axes.collections[0].get_facecolor(), expected, atol=0.01)
+    bars = [axes for axes in figure.axes if not axes.get_title()]
+    assert [axes.get_ylim() for axes in bars[1:]] == [(0, 600), (-600, 600)]
 
 
-def test_projectile_is_white_with_a_dark_edge_in_every_panel(snapshot):
+def test_projectile_is_white_on_air_that_is_not_in_every_panel(snapshot):
     _, panels = draw(snapshot)
     for axes in panels:
         projectile = axes.collections[1]
         assert projectile.get_facecolor()[0, :3] == pytest.approx(1)
-        assert projectile.get_edgecolor()[0, :3] == pytest.approx(0)
+        assert projectile.get_linewidths() == [0]  # edges would blacken a lining of small points
+        assert min(axes.get_facecolor()[:3]) < 0.95
+
+
+def test_targets_are_told_apart_and_named(snapshot):
+    snapshot["body"][: len(snapshot["body"]) // 2] = 2
+    figure = slice_figure(
+        snapshot, Cast(["slab", "cube", "film"], [PROJECTILE]), plane=0.0, spacing=H, crater=None, title="two"
+    )
+    bodies = figure.axes[0]
+    assert len(np.unique(bodies.collections[0].get_facecolor(), axis=0)) == 2
+    assert [text.get_text() for text in bodies.get_legend().get_texts()] == ["slab", "film"]
+
+
+@pytest.mark.parametrize("stretch", [(1, 1, 0.2), (1, 1, 1), (0.2, 1, 1), (50, 50, 50)])
+def test_the_panels_fill_the_figure(snapshot, stretch):
+    snapshot["position"] = snapshot["position"] * stretch
+    snapshot["volume"] = snapshot["volume"] * np.prod(stretch)
+    figure = slice_figure(snapshot, CAST, plane=0.0, spacing=50 * H, crater=None, title="a run")
+    figure.draw_without_rendering()
+    panels = [axes.get_position() for axes in figure.axes if axes.get_title()]
+    blank = (1 - sum(p.height for p in panels)) * figure.get_size_inches()[1]
+    print(figure.get_size_inches(), blank, panels[0].width)
+    assert blank < 2.2  # inches: titles, labels and the ticks' numbers
+
+
+def test_a_slice_without_points_is_drawn(snapshot):
+    slice_figure(snapshot, CAST, plane=1.0, spacing=H, crater=None, title="nothing there")
 
 
 def test_original_surface_is_dotted(snapshot):
@@ -88,9 +121,11 @@ def test_markers_tile_the_plane(snapshot, tmp_path: Path):
 def test_crater_depth_is_marked(snapshot):
     crater = Crater(depth=7.3 * UM, diameter=20 * UM, volume=1e-15, bottom=(1 * UM, 1 * UM))
     _, panels = draw(snapshot, crater)
-    assert all(any("7.3" in text.get_text() for text in axes.texts) for axes in panels)
+    # Above the panel, where it hides no wall; within it there is only the arrow.
+    assert all("7.3" in axes.get_title(loc="right") for axes in panels)
+    assert not any(text.get_text() for axes in panels for text in axes.texts)
     _, panels = draw(snapshot)
-    assert not any(axes.texts for axes in panels)
+    assert not any(axes.get_title(loc="right") or axes.texts for axes in panels)
 
 
 def test_a_slice_without_projectile_is_drawn(snapshot, tmp_path: Path):
@@ -115,6 +150,7 @@ def test_history_shows_shares_per_cent_and_micrometres(history, tmp_path: Path):
     last = {line.get_label(): line.get_ydata()[-1] for line in energy.lines}
     assert list(last.values()) == pytest.approx([0.3, 0.5, 0.1, 0.1])
     assert error.lines[0].get_ydata()[-1] == pytest.approx(1.0)
+    assert "estimate" in depth.get_ylabel()
     assert depth.lines[0].get_ydata()[-1] == pytest.approx(12)
     assert depth.lines[0].get_xdata()[-1] == pytest.approx(500)
     figure.savefig(tmp_path / "history.png")

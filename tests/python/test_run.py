@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation, measure
-from pockmark.run import forecast, run_scene
+from pockmark.forecast import forecast
+from pockmark.run import run_scene
 from pockmark.store import RunFolder, read_snapshot
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -31,7 +32,7 @@ def pockmark(*arguments, **kwargs):
 def folder(tmp_path_factory):
     """One finished quick run, made by the command line."""
     path = tmp_path_factory.mktemp("runs") / "quick"
-    done = pockmark("run", QUICK, "-o", path, "--threads", 2)
+    done = pockmark("run", QUICK, "-o", path, "--threads", 1)
     print(done.stdout)
     assert done.returncode == 0, done.stderr
     return path
@@ -60,6 +61,21 @@ def test_measure_has_stable_keys_in_si(folder):
         assert result["run"][key] > 0
     assert result["run"]["failure_treatment"] == "al2024-liu2015: no_damage"
     assert measure(folder) == result
+
+
+def test_a_quarter_model_gives_the_half_model_s_crater(folder, tmp_path):
+    half, table = measure(folder), Scene.load(QUICK).to_dict()
+    table["grid"]["lower"][0] = table["body"][0]["lower"][0] = 0.0
+    table["boundary"]["x_lower"] = "symmetry"
+    run_scene(Scene.from_dict(table), tmp_path / "quarter", threads=1, progress=False)
+    quarter = measure(tmp_path / "quarter")
+    # Equally deep columns left and right of x = 0: which is taken moves the fitted bottom by 0.6 %.
+    for key, close in (("depth", 0.01), ("diameter", 1e-3), ("volume", 1e-3)):
+        print(key, half["crater"][key], quarter["crater"][key])
+        assert quarter["crater"][key] == pytest.approx(half["crater"][key], rel=close)
+    assert quarter["energy"]["residual_internal"] == pytest.approx(
+        half["energy"]["residual_internal"], rel=1e-4
+    )
 
 
 def test_history_closes_its_ledger(folder):
@@ -106,10 +122,36 @@ def test_forecast_warns():
 
 
 @pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ([], None),
+        (["impact.speed=0"], "impact.speed is 0: nothing moves"),
+        (["body.1.projectile=false"], "no body is marked projectile = true"),
+        (["body.0.upper=['50 um', '50 um', '-5 um']"], "no target's top lies at z = 0"),
+        (
+            ["body.0.projectile=true"],
+            "no target's top lies at z = 0, where the crater is measured from (found no target)",
+        ),
+        (["grid.lower=['-50 um', '0 um', '-35 um']"], "35 um from the face z_lower"),
+        (["grid.lower=['-45 um', '0 um', '-50 um']"], "35 um from the face x_lower"),
+    ],
+)
+def test_check_warns_of_a_scene_that_measures_something_else(changes, sentence):
+    table = Scene.load(QUICK, [f"grid.lower={[-50e-6, 0.0, -50e-6]}"]).to_dict()
+    table["body"][0]["lower"] = [-45e-6, 0.0, -35e-6]
+    said = forecast(Scene.from_dict(table, overrides=changes), 1).warnings
+    print(said)
+    assert (
+        any(sentence in w for w in said) if sentence else not any("face" in w or "moves" in w for w in said)
+    )
+
+
+@pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
         (["run", "nowhere.toml"], "nowhere.toml: cannot be read"),
         (["run", QUICK, "--set", "grid.cell='1 kg'"], "grid.cell: found '1 kg', expected a quantity in m"),
+        (["run", QUICK, "--threads", "-2"], "threads: found -2, allowed are 1 to"),
         (["run", QUICK, "-o", "{taken}"], "is not empty and holds no run"),
         (["measure", "{taken}"], "is not a run folder"),
         (["plot", "{taken}"], "is not a run folder"),
@@ -145,7 +187,7 @@ def test_an_interrupted_run_keeps_what_there_is(tmp_path, monkeypatch):
         return original(self, *args, **kwargs)
 
     monkeypatch.setattr(Simulation, "advance", advance)
-    folder, finished = run_scene(Scene.load(QUICK), tmp_path / "cut", progress=False)
+    folder, finished = run_scene(Scene.load(QUICK), tmp_path / "cut", threads=1, progress=False)
     assert not finished
     assert folder.manifest()["status"] == "interrupted"
     result = measure(folder.path)
@@ -177,6 +219,6 @@ def test_a_collapsed_step_ends_the_run_and_says_so(tmp_path):
 def test_the_progress_bar_changes_nothing(tmp_path):
     scene = Scene.load(QUICK)
     for progress in (False, True):
-        run_scene(scene, tmp_path / str(progress), progress=progress)
+        run_scene(scene, tmp_path / str(progress), threads=1, progress=progress)
     quiet, shown = (RunFolder.open(tmp_path / str(p)).path / "history.csv" for p in (False, True))
     assert quiet.read_bytes() == shown.read_bytes()

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene
+from pockmark.bodies import Block, Sphere
+from pockmark.lattice import count, lattice
 from pockmark.materials import library
-from pockmark.points import lattice, make_points
-from pockmark.scene import Block, Sphere
+from pockmark.points import make_points
 from pockmark.units import to_si
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -19,6 +20,19 @@ UM = 1e-6
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda p: p.stem)
 def test_a_saved_scene_is_the_same_scene(path, tmp_path):
     scene = Scene.load(path)
+    scene.save(tmp_path / "again.toml")
+    assert Scene.load(tmp_path / "again.toml") == scene
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["aluminium 2024", "Stahl-\u00fc", "\U0001d50cl", "a.b", 'say "x"', "tab\there", "\x7f", "", "\u00b2"],
+)
+def test_a_scene_with_any_name_is_read_back(name, tmp_path):
+    table = Scene.load(EXAMPLES / "quick.toml").to_dict()
+    table["title"] = table["body"][0]["name"] = table["body"][0]["material"] = name
+    table["materials"][name] = table["materials"]["al2024-liu2015"]
+    scene = Scene.from_dict(table)
     scene.save(tmp_path / "again.toml")
     assert Scene.load(tmp_path / "again.toml") == scene
 
@@ -62,6 +76,27 @@ def test_sphere_lattice(nx, count):
     assert len(lattice(sphere)) == count
 
 
+@pytest.mark.parametrize("radius", [0.6, 1.0, 3.3, 10.0, 16.4])
+@pytest.mark.parametrize("cut", [-100.0, 0.0, 2.7])
+def test_a_sphere_is_counted_as_it_is_filled(radius, cut):
+    sphere = Sphere(
+        shape="sphere", name="p", material="m", spacing=UM, center=(2 * UM, 0, 1 * UM), radius=radius * UM
+    )
+    box = ((-100 * UM, cut * UM, -100 * UM), (4.5 * UM, 100 * UM, 100 * UM))
+    x = lattice(sphere)
+    x = x[np.all((x >= box[0]) & (x < box[1]), axis=1)]
+    assert np.array_equal(x, lattice(sphere, box))
+    assert count(sphere, box) == len(x)
+
+
+@pytest.mark.parametrize("spacing", [0.7, 1.0, 1.3, 2.9, 7.0, 25.0])
+def test_a_block_is_counted_as_it_is_filled(spacing):
+    table = Scene.load(EXAMPLES / "quick.toml").to_dict()
+    block = Block(**table["body"][0] | {"spacing": spacing * UM})
+    box = Scene.load(EXAMPLES / "quick.toml").grid.box
+    assert count(block, box) == len(lattice(block, box)) == len(lattice(block)) > 0
+
+
 def test_units_are_exact_and_checked():
     assert to_si("20 um", "m") == 20e-6
     assert to_si("2.2 km/s", "m/s") == 2200.0
@@ -76,6 +111,17 @@ def test_every_library_material_is_valid_and_cited():
         scene = Scene.load(EXAMPLES / "quick.toml", [f"body=[{_block(name)}]"])
         assert len(scene.materials[name].source) > 20
         scene.materials[name].to_core()
+
+
+@pytest.mark.parametrize("body", ["1", "projectile"])
+def test_a_body_is_changed_by_place_or_name(body):
+    scene = Scene.load(EXAMPLES / "quick.toml", [f"body.{body}.radius='5 um'", f"body.{body}.spacing=1e-6"])
+    assert (scene.body[1].radius, scene.body[1].spacing) == (5e-6, 1e-6)
+    assert scene.body[0] == Scene.load(EXAMPLES / "quick.toml").body[0]
+
+
+def test_one_override_may_be_a_plain_text():
+    assert Scene.load(EXAMPLES / "quick.toml", "impact.speed=1000").impact.speed == 1000
 
 
 def _block(material: str) -> str:
@@ -97,12 +143,32 @@ MISTAKES = [
     ("impact.speed='fast'", "impact.speed: found 'fast', which is not a quantity"),
     ("grid.cell='-4 um'", "grid.cell: found '-4 um', input should be greater than 0"),
     ("grid.upper=['50 um', '50 um', '10 um']", "outside the grid's face z_upper"),
-    ("body=[]", "body: "),
+    ("body=[]", "body: found [], expected one [[body]] or more"),
+    ("body=3", "body: found 3, expected one [[body]] or more"),
+    ("body.1=3", "body[1]: found 3, expected a table"),
+    ("body.1.shape=cube", "body[1].shape: found 'cube', allowed are 'block', 'sphere'"),
+    (
+        "body=[{name='x', material='al2024-liu2015'}]",
+        "body[0].shape: is missing, allowed are 'block', 'sphere'",
+    ),
+    (
+        "body.1.material=cheese",
+        "body[1].material: found 'cheese', which is neither in the scene nor in the library",
+    ),
+    (
+        "materials.al2024-liu2015.eos.model=gas",
+        "eos.model: found 'gas', allowed are 'mie-gruneisen', 'linear'",
+    ),
+    ("materials.al2024-liu2015.strength={model='fluid', A=1}", "strength.A: unknown key"),
+    ("materials.linear={based_on='al2024-liu2015', density=-1}", "materials.linear.density: found -1"),
+    ("impact.angle='95 deg'", "impact.angle: found 95 deg, expected 0 deg to less than 90 deg"),
+    ("impact.angle=-0.1", "impact.angle: found -5.72958 deg, expected 0 deg to less than 90 deg"),
     ("numerics.scheme=mpm", "numerics.scheme: found 'mpm', input should be 'usf', 'musl', 'usl' or 'usavg'"),
     ("end_time='0 s'", "end_time: found '0 s'"),
     ("materials.x.based_on=unobtainium", "materials.x.based_on: found 'unobtainium'"),
+    ("body.2.radius=1", "body.2: found no such body, allowed are 0 to 1 and target, projectile"),
     ("nonsense", "--set nonsense: expected key=value"),
-    ("grid=3", "grid: found 3"),
+    ("grid=3", "grid: found 3, expected a table"),
     ("materials.al2024-liu2015.eos.c0='5 kg'", "eos.c0: found '5 kg', expected a quantity in m/s"),
 ]
 
@@ -122,7 +188,11 @@ def test_a_mistake_is_one_sentence_with_file_and_key(override, sentence):
 def test_missing_material_and_overlap_are_told():
     text = (EXAMPLES / "quick.toml").read_text()
     for old, new, sentence in [
-        ('material = "al2024-liu2015"\n\n', 'material = "cheese"\n\n', "material 'cheese' is neither"),
+        (
+            'material = "al2024-liu2015"\n\n',
+            'material = "cheese"\n\n',
+            "body[0].material: found 'cheese', which is neither",
+        ),
         (
             '"0 um", "0 um", "10 um"',
             '"0 um", "0 um", "5 um"',
@@ -135,6 +205,13 @@ def test_missing_material_and_overlap_are_told():
         with pytest.raises(PockmarkError, match="scene: ") as caught:
             Scene.from_dict(tomllib.loads(changed))
         assert sentence in str(caught.value)
+
+
+def test_an_unknown_key_is_told_before_the_one_that_it_leaves_out():
+    table = Scene.load(EXAMPLES / "quick.toml").to_dict()
+    table["impact"]["sped"] = table["impact"].pop("speed")
+    with pytest.raises(PockmarkError, match=r"scene: impact\.sped: unknown key, did you mean 'speed'\?"):
+        Scene.from_dict(table)
 
 
 def test_unreadable_files_are_told(tmp_path):

@@ -1,0 +1,124 @@
+"""What is known of a run before it starts: its size, its time, and what a careful analyst would ask."""
+
+import math
+from dataclasses import dataclass, field
+
+from . import _core
+from .bodies import Block, Sphere
+from .lattice import block_counts, count
+from .scene import Scene
+
+BYTES_PER_POINT = 190  # fields, indices and the sort's scratch, fp64
+BYTES_PER_NODE = 164
+# Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
+TYPICAL_RATE = {"avx512": 9e6, "avx2": 6e6, "scalar": 2.5e6}
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What a run will take, before anything runs."""
+
+    points: int
+    cells: int
+    steps: int
+    memory: float  # bytes
+    seconds: float
+    warnings: list[str] = field(default_factory=list)
+
+
+def forecast(scene: Scene, threads: int) -> Forecast:
+    """Points, cells, steps, memory and time of a scene, with warnings."""
+    points = sum(count(body, scene.grid.box) for body in scene.body)
+    steps = math.ceil(scene.steps_about)
+    nodes = math.prod(n + 3 for n in scene.grid.cells)
+    slower = 2.0 if scene.numerics.shape_functions == "quadratic" else 1.0
+    size = 1.0 if scene.numerics.precision == "double" else 0.5
+    rate = TYPICAL_RATE[_core.build_info()["isa"]] * threads
+    return Forecast(
+        points=points,
+        cells=scene.grid.cell_count,
+        steps=steps,
+        memory=size * (points * BYTES_PER_POINT + nodes * BYTES_PER_NODE),
+        seconds=points * steps * slower / rate,
+        warnings=warnings(scene),
+    )
+
+
+def warnings(scene: Scene) -> list[str]:
+    """What a careful analyst would ask about this scene."""
+    out = _impact_warnings(scene)
+    for i, body in enumerate(scene.body):
+        said = _lattice_warnings(body, scene)
+        if body.projectile:
+            said += _face_warnings(body, scene)
+        out += [f"body[{i}] '{body.name}': {text}" for text in said]
+    for name in dict.fromkeys(b.material for b in scene.body):
+        out += _failure_warning(name, scene)
+    return out
+
+
+def _impact_warnings(scene: Scene) -> list[str]:
+    """Whether there is an impact at all, and where its depth is measured from."""
+    out = []
+    if not scene.projectiles:
+        out.append("no body is marked projectile = true: nothing moves")
+    elif scene.impact.speed == 0:
+        out.append("impact.speed is 0: nothing moves")
+    tops = [scene.body[i].box[1][2] for i in scene.targets]
+    if not any(abs(top) <= 0.01 * scene.grid.cell for top in tops):
+        found = ", ".join(f"{top * 1e6:.4g} um" for top in tops) or "no target"
+        out.append(f"no target's top lies at z = 0, where the crater is measured from (found {found})")
+    return out
+
+
+def _lattice_warnings(body: Block | Sphere, scene: Scene) -> list[str]:
+    """Whether the points are enough for the body and the grid, and lie where the body is written."""
+    out = []
+    if isinstance(body, Sphere) and round(2 * body.radius / body.spacing) < 4:
+        out.append("fewer than 4 points across the sphere")
+    per_cell = scene.grid.cell / body.spacing
+    if per_cell < 2:
+        out.append(f"{per_cell:.2g} points a cell along an axis; 2 is the usual least")
+    if abs(off := _surface_offset(body)) > 0.01 * body.spacing:
+        out.append(
+            f"its points' surface lies {off * 1e6:+.3g} um from the written one, as its spacing does not divide its size"
+        )
+    return out
+
+
+def _face_warnings(projectile: Block | Sphere, scene: Scene) -> list[str]:
+    """Faces, the one under the target included, that lie closer than two diameters."""
+    lower, upper = projectile.box
+    diameter = upper[2] - lower[2]
+    faces, mirrored = ("x_lower", "x_upper", "y_lower", "y_upper"), [(m.axis, m.above) for m in scene.mirrors]
+    gaps = {}
+    for i, face in enumerate(faces):
+        axis, above = i // 2, bool(i % 2)
+        if (axis, above) not in mirrored:
+            gaps[face] = (
+                scene.grid.corner[axis] - upper[axis] if above else lower[axis] - scene.grid.lower[axis]
+            )
+    gaps["z_lower, under the target's surface"] = -scene.grid.lower[2]
+    return [
+        f"{gap * 1e6:.3g} um from the face {face}, less than two diameters; the crater may feel it"
+        for face, gap in gaps.items()
+        if gap < 2 * diameter
+    ]
+
+
+def _surface_offset(body: Block | Sphere) -> float:
+    """How far the points reach beyond a block's upper face in z, or a sphere's radius, m; negative if short of it."""
+    if isinstance(body, Sphere):
+        return body.points_a_radius * body.spacing - body.radius
+    return block_counts(body)[2] * body.spacing - (body.upper[2] - body.lower[2])
+
+
+def _failure_warning(name: str, scene: Scene) -> list[str]:
+    f = scene.materials[name].failure
+    if f.treatment == "inactive" or f.D2 == 0.0 or f.D3 == 0.0 or -f.D1 / f.D2 <= 0.0:
+        return []
+    limit = math.log(-f.D1 / f.D2) / f.D3
+    return [
+        f"material '{name}': its failure strain is <= 0 above a triaxiality of {limit:.4f}; there the treatment "
+        f"'{f.treatment}' decides the crater"
+    ]

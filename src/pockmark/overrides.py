@@ -1,0 +1,49 @@
+"""Changes of a scene's table in a text: "impact.speed='4 km/s'", "body.projectile.radius='5 um'"."""
+
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from .errors import PockmarkError
+from .materials import merge
+
+
+def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
+    """The table with the change of the text; a body is named by its name or counted from 0. Raises PockmarkError."""
+    change = _parse(text)
+    bodies, changes = table.get("body"), change.get("body")
+    if isinstance(bodies, list) and isinstance(changes, Mapping):
+        change["body"] = _changed(bodies, changes)
+    return merge(table, change)
+
+
+def _parse(text: str) -> dict[str, Any]:
+    """ "a.b=value" as nested tables; the value is TOML, or else a plain text."""
+    key, equals, value = text.partition("=")
+    if not equals or not key.strip():
+        raise PockmarkError(f"--set {text}: expected key=value")
+    try:
+        out: Any = tomllib.loads(f"v = {value}")["v"]
+    except (ValueError, RecursionError):
+        out = value.strip()
+    for part in reversed(key.strip().split(".")):
+        out = {part: out}
+    return dict(out)
+
+
+def _changed(bodies: list[Any], changes: Mapping[str, Any]) -> list[Any]:
+    """The bodies with the changes of those that are named."""
+    out = list(bodies)
+    names = [body.get("name") if isinstance(body, Mapping) else None for body in bodies]
+    for key, value in changes.items():
+        places = [i for i, name in enumerate(names) if key in (name, str(i))]
+        if not places:
+            allowed = ", ".join(str(name) for name in names if name)
+            raise PockmarkError(
+                f"body.{key}: found no such body, allowed are 0 to {len(names) - 1} and {allowed}"
+            )
+        old = out[places[0]]
+        out[places[0]] = (
+            merge(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
+        )
+    return out

@@ -1,0 +1,73 @@
+"""The results of a run as a table for the terminal."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rich.table import Table
+
+from .counters import COUNTERS
+
+Results = Mapping[str, Any]
+
+
+def report(result: Results) -> Table:
+    """The table that `pockmark run` and `measure` print."""
+    table = Table(show_header=False, title="Crater")
+    for part in (_crater, _energy, _run, _counted):
+        for name, value in part(result):
+            table.add_row(name, value)
+        table.add_section()
+    return table
+
+
+def _shown(value: float | None, pattern: str, *, unit: float = 1.0) -> str:
+    """A number in multiples of `unit`, "-" where there is none."""
+    return "-" if value is None else pattern.format(value / unit)
+
+
+def _crater(result: Results) -> Iterator[tuple[str, str]]:
+    crater, run = result["crater"], result["run"]
+    yield "run", run["status"] + _shown(run["end_time"], " (to end at {:.4g} ns)", unit=1e-9)
+    yield "crater at", _shown(crater["time"], "{:.4g} ns", unit=1e-9)
+    if crater["depth"] is None:
+        yield "crater", "none"
+        return
+    yield "depth C_p", _shown(crater["depth"], "{:.2f} um", unit=1e-6)
+    yield "diameter D_c", _shown(crater["diameter"], "{:.2f} um", unit=1e-6)
+    yield "volume", _shown(crater["volume"], "{:.0f} um^3", unit=1e-18)
+    yield "C_p/d_p", _shown(crater["depth_over_projectile_diameter"], "{:.3f}")
+    yield "C_p/D_c", _shown(crater["depth_over_diameter"], "{:.3f}")
+
+
+def _energy(result: Results) -> Iterator[tuple[str, str]]:
+    energy = result["energy"]
+
+    def share(*keys: str) -> str:
+        return ", ".join(_shown(energy[key], "{:.4f}") for key in keys)
+
+    yield "energies at", _shown(result["run"]["time"], "{:.4g} ns, as shares of the initial one", unit=1e-9)
+    yield "residual internal E_i^r", share("residual_internal")
+    yield "  in the grid, left", share("internal", "left_internal")
+    yield "  of it by bulk viscosity", share("viscous")
+    yield "kinetic in the grid, left", share("kinetic", "left_kinetic")
+    yield "absorbed by faces", share("absorbed")
+    if energy["pic"]:
+        yield "taken by PIC", share("pic")
+    yield "sum - 1: ledger error", _shown(energy["ledger_error"], "{:+z.2%}")
+
+
+def _run(result: Results) -> Iterator[tuple[str, str]]:
+    run = result["run"]
+    yield "failure treatment", str(run["failure_treatment"])
+    yield "scheme", f"{run['scheme']}, {run['shape_functions']}"
+    yield "largest rho/rho0", _shown(run["max_compression"], "{:.3f}")
+    rate = _shown(run["particle_steps_per_second"], "{:.2f} M particle-steps/s", unit=1e6)
+    yield "size", f"{run['points']:,} points, {run['steps']:,} steps, {rate}"
+
+
+def _counted(result: Results) -> Iterator[tuple[str, str]]:
+    counted = {name: count for name, count in result["counters"].items() if count}
+    if not counted:
+        yield "counted", "nothing"
+    for name, count in counted.items():
+        yield name, f"{count:,} {COUNTERS.get(name, '')}"

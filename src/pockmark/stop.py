@@ -1,0 +1,35 @@
+"""Ctrl-C and SIGTERM during a run."""
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+
+@contextmanager
+def heard_between_steps() -> Iterator[Callable[[], None]]:
+    """Within, Ctrl-C and SIGTERM are only noted, however many; the function that is given raises KeyboardInterrupt then.
+
+    So no file is torn, and an impatient second Ctrl-C does not lose what the first one keeps.
+    """
+    asked = False
+
+    def note(_number: int, _frame: FrameType | None) -> None:
+        nonlocal asked
+        asked = True
+
+    def stop_if_asked() -> None:
+        if asked:
+            raise KeyboardInterrupt
+
+    old = {}
+    if threading.current_thread() is threading.main_thread():  # no other may set handlers
+        for number in (signal.SIGINT, signal.SIGTERM):
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):  # as under nohup; not Python's
+                old[number] = signal.signal(number, note)
+    try:
+        yield stop_if_asked
+    finally:
+        for number, handler in old.items():
+            signal.signal(number, handler)

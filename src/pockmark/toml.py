@@ -1,0 +1,46 @@
+"""Writing TOML, which tomllib only reads."""
+
+import json
+import math
+import re
+from collections.abc import Mapping
+from typing import Any
+
+
+def to_toml(table: Mapping[str, Any], prefix: str = "") -> str:
+    """Minimal TOML writer for the plain tables of a scene (tomllib only reads)."""
+    lines = [f"{_key(k)} = {_value(v)}" for k, v in table.items() if not _is_table(v)]
+    for key, value in table.items():
+        path = prefix + _key(key)
+        if isinstance(value, Mapping):
+            lines += ["", f"[{path}]", to_toml(value, f"{path}.").rstrip("\n")]
+        elif _is_table(value):
+            for item in value:
+                lines += ["", f"[[{path}]]", to_toml(item, f"{path}.").rstrip("\n")]
+    return "\n".join(lines).lstrip("\n") + "\n"
+
+
+def _key(key: str) -> str:
+    """As it is where TOML allows that, or else quoted."""
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _text(key)
+
+
+def _text(text: str) -> str:
+    """A basic string: JSON's escapes, but TOML knows no surrogates and wants DEL escaped."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, Mapping) or (
+        isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
+    )
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float):
+        return repr(value) if math.isfinite(value) else str(value)
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(v) for v in value) + "]"
+    return _text(value) if isinstance(value, str) else str(value)
