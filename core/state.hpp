@@ -57,11 +57,16 @@ struct Particles {
     cell.resize(count);
   }
 
-  // Asks the cache for the fields of the points from p on: their streams are too many for the processor to
-  // foresee.
+  // Asks the cache for fields of the points a few blocks on from p: their streams are too many for the
+  // processor to foresee.
+  static constexpr std::size_t ahead = 256;
   PM_HD void prefetch(std::size_t p) const {
 #pragma GCC unroll 32
-    for (const auto& c : components) __builtin_prefetch(c.data() + p, 1, 2);
+    for (const auto& c : components) __builtin_prefetch(c.data() + p + ahead, 1, 2);
+  }
+  PM_HD void prefetch_motion(std::size_t p) const {
+    for (Field field : {Field::place, Field::velocity})
+      for (int a = 0; a < 3; ++a) __builtin_prefetch(at(field, a) + p + ahead, 1, 2);
   }
   // Of point p, or of the n points from p on in the lanes of V.
   template <class V = T>

@@ -59,7 +59,7 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
       return points.template load<V>(Field::mass, p, n) * material.specific_volume;
     };
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-      points.prefetch(p + Block::most);
+      points.prefetch(p);
       auto point = points.template state<V>(p, n);
       const auto L = velocity_gradient<V>(gradient, p - block.begin);
       const bool yields = any(update.strain(point, L, first_lanes<V>(n), tally));
@@ -125,6 +125,7 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
     });
   V taken = V(0);
   for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+    points.prefetch_motion(p);
     const auto flip =
         points.template vector<V>(Field::velocity, p, n) + change.template vector<V>(p - block.begin);
     if (!(pic > T(0))) return points.set_vector(Field::velocity, p, flip, n);
@@ -142,7 +143,7 @@ void strain_points(Particles<T>& points, const std::vector<Material<T>>& materia
                    const Columns<T, 9>& gradient, T dt) {
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-      points.prefetch(p + Block::most);
+      points.prefetch(p);
       auto point = points.template state<V>(p, n);
       const auto L = velocity_gradient<V>(gradient, p - block.begin);
       strain_elastically(material, point, L, dt);

@@ -111,6 +111,7 @@ void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid,
           *fz = points.at(Field::place, 2);
   const T *vx = points.at(Field::velocity, 0), *vy = points.at(Field::velocity, 1),
           *vz = points.at(Field::velocity, 2);
+  points.prefetch_motion(run.begin);
   Eight<T> sum[4];
   std::size_t p = run.begin;
   do {  // a run is never empty
