@@ -320,8 +320,8 @@ void bind_solver(nb::module_& m, const char* name) {
       .def("memory_bytes", [](const S& s) {
         const std::size_t n = s.solver.points().size(), nodes = s.solver.grid().before.size();
         nb::dict d;
-        // Fields, body, id, cell; the sorter's scratch and permutation.
-        d["points"] = n * (component_count * sizeof(T) + 9 + sizeof(T) + 9);
+        // Fields, body, id, cell; the sorter's scratch and permutation; runs.
+        d["points"] = n * (component_count * sizeof(T) + 9 + sizeof(T) + 9) + s.solver.run_bytes();
         d["grid"] = nodes * (4 * sizeof(Quad<T>) + 4);
         return d;
       });

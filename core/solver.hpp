@@ -171,6 +171,7 @@ class Solver {
     return double(points_.at(Field::mass)[p]) * double(materials_[points_.body[p]].specific_volume);
   }
   std::int64_t sorts() const { return sorts_; }  // how often points were put in the order of the cells
+  std::size_t run_bytes() const { return tiles_.run_count() * sizeof(Run); }
   std::size_t sleeping_points() const {
     std::size_t sum = 0;
     for (int tile = 0; tile < tiles_.count(); ++tile)
