@@ -231,10 +231,8 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
 template <class T>
 nb::dict get_ledger(const Solver<T>& solver) {
   const auto l = solver.ledger();
-  const auto momentum = solver.momentum();
+  const auto& momentum = l.momentum;
   const auto& departed = solver.departed();
-  double mass = 0;
-  solver.for_each_point([&](std::size_t p) { mass += double(solver.points().at(Field::mass)[p]); });
   nb::dict d;
   d["time"] = solver.time();
   d["kinetic"] = l.kinetic, d["internal"] = l.internal, d["absorbed"] = l.absorbed,
@@ -243,7 +241,7 @@ nb::dict get_ledger(const Solver<T>& solver) {
   d["pic"] = l.pic, d["viscous"] = l.viscous, d["plastic"] = l.plastic;
   d["initial"] = l.initial, d["error"] = l.error();
   d["momentum_x"] = momentum.x, d["momentum_y"] = momentum.y, d["momentum_z"] = momentum.z;
-  d["mass"] = mass, d["left_mass"] = departed.mass;
+  d["mass"] = l.mass, d["left_mass"] = departed.mass;
   d["left_momentum_x"] = departed.momentum.x, d["left_momentum_y"] = departed.momentum.y;
   d["left_momentum_z"] = departed.momentum.z;
   return d;
@@ -305,6 +303,20 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(
           "set_field", [](S& s, const std::string& name, Doubles v) { set_field(s.solver, name, v); },
           "name"_a, "values"_a)
+      // Height (m) and body of the points within a radius of a vertical line.
+      .def(
+          "column",
+          [](const S& s, double x, double y, double radius) {
+            std::vector<double> height;
+            std::vector<std::uint8_t> body;
+            s.solver.for_each_point_near_line(x, y, radius, [&](std::size_t p) {
+              height.push_back(s.solver.position(p).z);
+              body.push_back(s.solver.points().body[p]);
+            });
+            const std::size_t n = height.size();
+            return nb::make_tuple(to_array(std::move(height), n, 1), to_array(std::move(body), n, 1));
+          },
+          "x"_a, "y"_a, "radius"_a)
       .def("ledger", [](const S& s) { return get_ledger(s.solver); })
       .def("counters",
            [](const S& s) {

@@ -37,6 +37,8 @@ struct Ledger {
   double pic = 0;                              // taken from the points' velocities by the PIC share
   double viscous = 0, plastic = 0;             // parts of the internal energy's history, for information
   double initial = 0;
+  double mass = 0;  // of the points in the grid (kg), and their momentum (kg m/s)
+  Vec3<double> momentum{};
   double error() const {
     return kinetic + internal + absorbed + left_kinetic + left_internal + pic - initial;
   }
@@ -152,14 +154,24 @@ class Solver {
     return ((trial - T(3) * m.shear_modulus() * strain) / trial) * point.deviator;
   }
 
-  Vec3<double> momentum() const {
-    Vec3<double> sum;
-    for_each_point([&](std::size_t p) {
-      const auto v = points_.vector(Field::velocity, p);
-      const double m = points_.at(Field::mass)[p];
-      sum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
+  // f(p) for the points within `radius` of the line parallel to z through (x, y), m.
+  template <class F>
+  void for_each_point_near_line(double x, double y, double radius, F&& f) const {
+    const auto& g = grid_.geometry;
+    const double at[2] = {(x - double(g.lower.x)) / double(g.cell) + g.pad,
+                          (y - double(g.lower.y)) / double(g.cell) + g.pad};
+    const double reach = radius / double(g.cell);
+    tiles_.visit(1, [&](int, const Block& block) {
+      for_each_run(block, [&](const Run& run) {
+        for (int a = 0; a < 2; ++a)
+          if (run.base[a] > at[a] + reach || run.base[a] + 2 < at[a] - reach) return;
+        for (std::size_t p = run.begin; p < run.end; ++p) {
+          const auto f_p = points_.vector(Field::place, p);
+          const double dx = run.base[0] + double(f_p.x) - at[0], dy = run.base[1] + double(f_p.y) - at[1];
+          if (dx * dx + dy * dy < reach * reach) f(p);
+        }
+      });
     });
-    return sum;
   }
   // f(p) for the points that have not left; those that have stay in memory until the next sort.
   template <class F>
@@ -460,12 +472,18 @@ class Solver {
     tiles_.visit(threads_, [&](int tile, const Block& block) {
       for (std::size_t p = block.begin; p < block.end; ++p) {
         const auto v = points_.vector(Field::velocity, p);
-        parts[tile].kinetic += 0.5 * double(points_.at(Field::mass)[p]) * double(dot(v, v));
+        const double m = points_.at(Field::mass)[p];
+        parts[tile].kinetic += 0.5 * m * double(dot(v, v));
         parts[tile].internal += internal_energy(p);
+        parts[tile].mass += m;
+        parts[tile].momentum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
       }
     });
     Ledger sum;
-    for (const auto& part : parts) sum.kinetic += part.kinetic, sum.internal += part.internal;
+    for (const auto& part : parts) {
+      sum.kinetic += part.kinetic, sum.internal += part.internal;
+      sum.mass += part.mass, sum.momentum += part.momentum;
+    }
     return sum;
   }
 

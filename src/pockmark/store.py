@@ -143,26 +143,46 @@ class RunFolder:
                 raise PockmarkError(f"{path}: cannot be written ({_reason(error)})") from None
         return path
 
-    def last_snapshot(self) -> dict[str, NDArray[Any]]:
+    def last_snapshot(self) -> "Snapshot":
         """Fields of the last snapshot. Raises PockmarkError if there is none."""
         found = self.snapshots()
         if not found:
             raise PockmarkError(f"{self.path}: holds no snapshot")
-        return read_snapshot(found[-1])
+        return Snapshot(found[-1])
 
 
-def read_snapshot(path: Path) -> dict[str, NDArray[Any]]:
-    """Fields of a snapshot file; `time` is an array of one."""
-    with told(path):
-        try:
-            with h5py.File(path, "r") as file:
-                root = file["VTKHDF"]
-                fields = {name: np.asarray(data) for name, data in root["PointData"].items()}
-                fields["position"] = np.asarray(root["Points"])
-                fields["time"] = np.asarray(root["FieldData/time"])
-        except KeyError:
-            raise PockmarkError(f"{path}: is not a snapshot of pockmark's") from None
-        return fields
+class Snapshot(Mapping[str, NDArray[Any]]):
+    """The fields of a snapshot file, each read when it is asked for; `time` is an array of one."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises PockmarkError if the file is not a snapshot."""
+        self._path = path
+        with self._root() as root:
+            self._places = {name: f"PointData/{name}" for name in root["PointData"]}
+        self._places |= {"position": "Points", "time": "FieldData/time"}
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """A field by its name."""
+        place = self._places[name]
+        with self._root() as root:
+            return np.asarray(root[place])
+
+    def __iter__(self) -> Iterator[str]:
+        """The names."""
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        """How many there are."""
+        return len(self._places)
+
+    @contextmanager
+    def _root(self) -> Iterator[h5py.Group]:
+        with told(self._path):
+            try:
+                with h5py.File(self._path, "r") as file:
+                    yield file["VTKHDF"]
+            except KeyError:
+                raise PockmarkError(f"{self._path}: is not a snapshot of pockmark's") from None
 
 
 def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> None:
@@ -189,8 +209,8 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
 
 def effective_stress(deviator: NDArray[np.float64]) -> NDArray[np.float64]:
     """von Mises effective stress (n,) of deviators (n, 6) in the order xx, yy, zz, xy, yz, zx, Pa."""
-    squares = deviator**2
-    return np.asarray(np.sqrt(1.5 * (squares[:, :3].sum(axis=1) + 2.0 * squares[:, 3:].sum(axis=1))))
+    twice = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # off the diagonal each component stands twice in s:s
+    return np.asarray(np.sqrt(1.5 * np.einsum("ij,ij,j->i", deviator, deviator, twice)))
 
 
 def machine() -> dict[str, Any]:

@@ -112,9 +112,8 @@ def current_depth(simulation: Simulation) -> float:
     if scene.projectiles:
         lower, upper = scene.body[scene.projectiles[0]].box
         axis = ((lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2)
-    x, is_target = simulation.field("position"), np.isin(simulation.field("body"), scene.targets)
-    near = np.hypot(x[:, 0] - axis[0], x[:, 1] - axis[1]) < scene.grid.cell
-    return _top_of_column(x[near & is_target, 2], gap=2 * scene.grid.cell, spacing=target.spacing)
+    z, body = simulation.column(*axis, scene.grid.cell)
+    return _top_of_column(z[np.isin(body, scene.targets)], gap=2 * scene.grid.cell, spacing=target.spacing)
 
 
 def _top_of_column(z: NDArray[np.float64], *, gap: float, spacing: float) -> float:

@@ -14,7 +14,7 @@ import pytest
 from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.forecast import forecast
 from pockmark.run import run_scene
-from pockmark.store import RunFolder, read_snapshot
+from pockmark.store import RunFolder, Snapshot
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 ALUMINIUM = "materials.al2024-liu2015"
@@ -142,7 +142,7 @@ def test_a_strangers_hdf5_file_is_told(tmp_path):
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file["a"] = 1
     with pytest.raises(PockmarkError, match="is not a snapshot"):
-        read_snapshot(tmp_path / "other.h5")
+        Snapshot(tmp_path / "other.h5")
 
 
 def _short(output, *more, **kwargs):

@@ -11,7 +11,7 @@ import pytest
 from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.forecast import forecast
 from pockmark.run import run_scene
-from pockmark.store import RunFolder, read_snapshot
+from pockmark.store import RunFolder, Snapshot
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 QUICK = EXAMPLES / "quick.toml"
@@ -96,7 +96,7 @@ def test_vtk_reads_a_snapshot(folder):
     reader = vtk_io.vtkHDFReader()
     reader.SetFileName(str(path))
     reader.Update()
-    grid, ours = reader.GetOutput(), read_snapshot(path)
+    grid, ours = reader.GetOutput(), Snapshot(path)
     assert grid.GetNumberOfPoints() == grid.GetNumberOfCells() == len(ours["mass"])
     assert np.array_equal(vtk_to_numpy(grid.GetPoints().GetData()), ours["position"])
     for name in ("pressure", "deviator", "effective_stress", "body", "damage"):
