@@ -277,6 +277,7 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(nb::init<std::array<double, 3>, double, std::array<int, 3>, const std::vector<Face>&,
                     std::vector<MaterialSpec>, const Options&, int>(),
            "lower"_a, "cell"_a, "cells"_a, "faces"_a, "materials"_a, "options"_a, "threads"_a)
+      .def("reserve", [](S& s, std::size_t points) { s.solver.points().reserve(points); }, "points"_a)
       .def(
           "add_points",
           [](S& s, Doubles x, Doubles v, Doubles m, Doubles vol,

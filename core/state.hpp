@@ -50,6 +50,12 @@ struct Particles {
   PM_HD const T* at(Field field, int component = 0) const {
     return components[first_component(field) + component].data();
   }
+  void reserve(std::size_t count) {
+    for (auto& c : components) c.reserve(count);
+    body.reserve(count);
+    id.reserve(count);
+    cell.reserve(count);
+  }
   void resize(std::size_t count) {
     for (auto& c : components) c.resize(count);
     body.resize(count);

@@ -1,5 +1,6 @@
 """A scene's bodies to material points."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from .lattice import lattice
 from .scene import Scene
 
 Array = NDArray[np.float64]
+PIECE = 2**18  # points: what is made of them here comes on top of what the core keeps
 
 
 @dataclass(frozen=True)
@@ -22,22 +24,20 @@ class Points:
     body: NDArray[np.uint8]
 
 
-def make_points(scene: Scene) -> Points:
-    """All points of a scene; what lies behind a symmetry plane is dropped."""
-    positions, volumes, masses, velocities, bodies = [], [], [], [], []
+def make_points(scene: Scene) -> Iterator[Points]:
+    """All points of a scene, piece by piece; what lies behind a symmetry plane is dropped."""
     for index, body in enumerate(scene.body):
         x = lattice(body, scene.grid.box)
         volume = body.spacing**3
+        mass = volume * scene.materials[body.material].density
         velocity = scene.impact.velocity if body.projectile else (0.0, 0.0, 0.0)
-        positions.append(x)
-        velocities.append(np.tile(velocity, (len(x), 1)))
-        volumes.append(np.full(len(x), volume))
-        masses.append(np.full(len(x), volume * scene.materials[body.material].density))
-        bodies.append(np.full(len(x), index, dtype=np.uint8))
-    return Points(
-        np.concatenate(positions),
-        np.concatenate(velocities).astype(np.float64),
-        np.concatenate(masses),
-        np.concatenate(volumes),
-        np.concatenate(bodies),
-    )
+        for start in range(0, len(x), PIECE):
+            position = np.asarray(x[start : start + PIECE], dtype=np.float64)
+            n = len(position)
+            yield Points(
+                position,
+                np.tile(np.array(velocity), (n, 1)),
+                np.full(n, mass),
+                np.full(n, volume),
+                np.full(n, index, dtype=np.uint8),
+            )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from .errors import PockmarkError
+from .lattice import count
 from .points import make_points
 from .scene import Scene
 
@@ -40,7 +41,6 @@ class Simulation:
         self.point_steps = 0
         numerics = scene.numerics
         kind = _core.Solver if numerics.precision == "double" else _core.SolverSingle
-        points = make_points(scene)
         self._solver = kind(
             lower=scene.grid.lower,
             cell=scene.grid.cell,
@@ -59,7 +59,9 @@ class Simulation:
             ),
             threads=self.threads,
         )
-        self._solver.add_points(points.position, points.velocity, points.mass, points.volume, points.body)
+        self._solver.reserve(sum(count(body, scene.grid.box) for body in scene.body))
+        for piece in make_points(scene):
+            self._solver.add_points(piece.position, piece.velocity, piece.mass, piece.volume, piece.body)
         self._solver.initialize()
 
     @property
