@@ -194,6 +194,7 @@ void set_field(Solver<T>& solver, const std::string& name, Doubles values) {
   if (info.field == Field::place) throw std::invalid_argument("points are placed when they are added");
   if (values.size() != solver.live_points() * info.components)
     throw std::invalid_argument(name + ": wrong size");
+  solver.wake();
   const double* value = values.data();
   solver.for_each_point([&](std::size_t p) {
     for (int c = 0; c < info.components; ++c)
@@ -277,7 +278,8 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(nb::init<std::array<double, 3>, double, std::array<int, 3>, const std::vector<Face>&,
                     std::vector<MaterialSpec>, const Options&, int>(),
            "lower"_a, "cell"_a, "cells"_a, "faces"_a, "materials"_a, "options"_a, "threads"_a)
-      .def("reserve", [](S& s, std::size_t points) { s.solver.points().reserve(points); }, "points"_a)
+      .def(
+          "reserve", [](S& s, std::size_t points) { s.solver.points().reserve(points); }, "points"_a)
       .def(
           "add_points",
           [](S& s, Doubles x, Doubles v, Doubles m, Doubles vol,

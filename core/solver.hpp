@@ -182,6 +182,8 @@ class Solver {
   double reference_volume(std::size_t p) const {
     return double(points_.at(Field::mass)[p]) * double(materials_[points_.body[p]].specific_volume);
   }
+  // To be called when points were changed from outside.
+  void wake() { tiles_.wake(); }
   std::int64_t sorts() const { return sorts_; }  // how often points were put in the order of the cells
   std::size_t run_bytes() const { return tiles_.run_count() * sizeof(Run); }
   std::size_t sleeping_points() const {
@@ -195,7 +197,7 @@ class Solver {
 
  private:
   // What a run costs in a step, in points sorted.
-  static constexpr std::size_t points_per_run_cost = 3;
+  static constexpr std::int64_t points_per_run_cost = 3;
 
   // The shape functions, and what the kernels compute with: a number at a time, or a pack.
   template <class ShapeOf, class Values>
@@ -413,8 +415,8 @@ class Solver {
     for (const auto& tile : relocated_)
       for (const Exit& exit : tile.exits) account_for(exit);
     split<K>([&](int tile) { return relocated_[tile].changed; });
-    disorder_ += tiles_.run_count() - sorted_runs_;
-    if (points_per_run_cost * disorder_ > points_.size() || !tiles_.hold()) sort<K>();
+    disorder_ += std::max(std::int64_t(tiles_.run_count()) - sorted_runs_, std::int64_t(0));
+    if (points_per_run_cost * disorder_ > std::int64_t(points_.size()) || !tiles_.hold()) sort<K>();
     if (options_.sleep && cutoff_ == T(0))
       tiles_.send_to_sleep(cycle_ == 0, [&](int tile) { return rests(tile); });
   }
@@ -443,7 +445,7 @@ class Solver {
     sorter_(points_, grid_.geometry.node_count(), threads_);
     tiles_.locate(points_, grid_.geometry);
     split<K>([](int) { return true; });
-    sorted_runs_ = tiles_.run_count(), disorder_ = 0;
+    sorted_runs_ = std::int64_t(tiles_.run_count()), disorder_ = 0;
     refresh_damping_ = true;
     ++sorts_;
   }
@@ -503,7 +505,8 @@ class Solver {
   std::vector<Exit> outside_;         // points that were put outside the grid
   std::vector<std::size_t> damped_;   // nodes of transmitting faces
   Array<Quad<T>> damped_after_;
-  std::size_t live_ = 0, sorted_runs_ = 0, disorder_ = 0;
+  std::size_t live_ = 0;
+  std::int64_t sorted_runs_ = 0, disorder_ = 0;
   bool refresh_damping_ = true;
   Audit audit_;     // of the whole run
   Audit extremes_;  // of the last stress update

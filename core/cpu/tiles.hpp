@@ -85,6 +85,9 @@ class Tiles {
       tiles_[t].idles = all;
     }
   }
+  void wake() {
+    for (auto& tile : tiles_) tile.rests = tile.sleeps = tile.idles = false;
+  }
   bool sleeps(int t) const { return tiles_[t].sleeps; }
 
   template <class F>
