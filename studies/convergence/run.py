@@ -29,6 +29,7 @@ SCHEMES = {
     "musl": ["numerics.scheme=musl"],
     "musl-cfl-0.9": ["numerics.scheme=musl", "numerics.cfl=0.9"],
     "usavg-quadratic": ["numerics.shape_functions=quadratic"],
+    "usavg-single": ["numerics.precision=single"],
     "usavg-no-viscosity": [
         "materials.al2024-liu2015.viscosity.quadratic=0.0",
         "materials.al2024-liu2015.viscosity.linear=0.0",
