@@ -4,7 +4,11 @@ import importlib
 import os
 import sys
 
-from . import _core_scalar
+# A thread that waits for the others sleeps. Spinning, as OpenMP does unless told, takes the core from the thread that is
+# waited for wherever something else runs too: ten times slower on a busy machine. Read when the library is loaded.
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+
+from . import _core_scalar  # noqa: E402
 
 _supported = _core_scalar.supported_isas()
 
