@@ -1,4 +1,4 @@
-"""The command line: run, check, measure, plot, bench."""
+"""The command line: run, check, measure, plot, bench, study."""
 
 import os
 import sys
@@ -12,6 +12,7 @@ from rich.table import Table
 from . import __version__
 from .bench import bench as run_bench
 from .bench import bench_scene
+from .campaign import FILE, cases, load
 from .errors import PockmarkError
 from .forecast import forecast
 from .report import report
@@ -19,6 +20,7 @@ from .run import measure_run, plot_run, run_scene
 from .scene import Scene
 from .simulation import thread_count
 from .store import to_json
+from .study import run_study, summary, write_results
 
 app = typer.Typer(
     help="Craters of micron-sized particles at kilometres per second, by the material point method.",
@@ -133,6 +135,34 @@ def bench(
     )
     if "lanes_over_scalar" in result:
         console.print(f"{result['lanes_over_scalar']:.2f} times the scalar driver")
+
+
+@app.command()
+def study(
+    name: Annotated[str, typer.Argument(help=f"A folder with a {FILE}, or the name of one in ./studies.")],
+    quick: Annotated[bool, typer.Option(help="The coarse, short form.")] = False,
+    only: Annotated[list[str] | None, typer.Option(help="A group or figure of the campaign.")] = None,
+    jobs: Annotated[int, typer.Option(min=1, max=256, help="Runs at a time; they share the cores.")] = 1,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Where the runs are kept.")] = Path(
+        "runs/studies"
+    ),
+) -> None:
+    """Run a campaign: a scene with swept keys. What is there is not run again; what fails stops nothing."""
+    folder = next((f for f in (Path(name), Path("studies") / name) if (f / FILE).exists()), Path(name))
+    campaign = load(folder)
+    wanted = cases(campaign, folder, quick=quick, only=only or [])
+    try:
+        outcomes = run_study(wanted, output, jobs=jobs, console=console)
+    except KeyboardInterrupt:
+        console.print("[yellow]interrupted: what is done is kept, the same command goes on[/yellow]")
+        raise typer.Exit(130) from None
+    console.print(summary(outcomes, campaign.title or name))
+    table = (output if quick or only else folder) / f"results{'-quick' if quick else ''}.csv"
+    write_results(outcomes, table)
+    console.print(f"wrote {table}")
+    if failed := sum(bool(o.fault) for o in outcomes):
+        console.print(f"[red]{failed} of {len(outcomes)} runs failed[/red]")
+        raise typer.Exit(1)
 
 
 def _version(value: bool) -> None:

@@ -1,0 +1,93 @@
+"""A campaign: one scene with swept keys, in groups that figures and tables are drawn from."""
+
+import itertools
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError
+
+from .errors import PockmarkError
+from .materials import Model
+from .scene import Scene
+from .sentences import sentence
+from .toml import to_toml
+
+FILE = "campaign.toml"
+Changes = Annotated[dict[str, Any], Field(default_factory=dict)]  # "impact.speed": "4 km/s"
+Sweep = Annotated[dict[str, Annotated[list[Any], Field(min_length=1)]], Field(default_factory=dict)]
+
+
+class Group(Model):
+    """Runs for some figures: every combination of the swept values."""
+
+    name: str
+    figures: Annotated[list[str], Field(default_factory=list)]
+    set: Changes
+    sweep: Sweep
+    quick: Sweep  # what is swept instead in the quick form
+
+
+class Campaign(Model):
+    """What `campaign.toml` says; `scene` is a path from the file's folder."""
+
+    title: str = ""
+    scene: str
+    set: Changes
+    quick: Changes
+    group: Annotated[list[Group], Field(min_length=1)]
+
+
+@dataclass
+class Case:
+    """One run: its scene, what was swept to get it, and the groups that want it."""
+
+    scene: Scene
+    swept: dict[str, Any]
+    groups: list[str] = field(default_factory=list)
+
+    @property
+    def label(self) -> str:
+        """For the terminal."""
+        return ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in self.swept.items()) or "run"
+
+
+def load(folder: Path) -> Campaign:
+    """Read a campaign. Raises PockmarkError with one sentence."""
+    path = folder / FILE
+    try:
+        return Campaign.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        raise PockmarkError(f"{path}: cannot be read ({error.strerror})") from None
+    except tomllib.TOMLDecodeError as error:
+        raise PockmarkError(f"{path}: is not TOML ({error})") from None
+    except ValidationError as error:
+        raise PockmarkError(f"{path}: {sentence(error)}") from None
+
+
+def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:
+    """The runs of a campaign, each once however many groups want it; `only` names groups or figures."""
+    known = {name for g in campaign.group for name in (g.name, *g.figures)}
+    if unknown := sorted(set(only) - known):
+        raise PockmarkError(
+            f"--only {unknown[0]}: no such group or figure, allowed are {', '.join(sorted(known))}"
+        )
+    found: dict[str, Case] = {}
+    for group in campaign.group:
+        if only and not set(only) & {group.name, *group.figures}:
+            continue
+        sweep = group.quick if quick and group.quick else group.sweep
+        for values in itertools.product(*sweep.values()):
+            swept = dict(zip(sweep, values, strict=True))
+            changes = campaign.set | group.set | (campaign.quick if quick else {}) | swept
+            scene = Scene.load(folder / campaign.scene, _texts(changes))
+            case = found.setdefault(scene.hash, Case(scene, swept))
+            case.groups.append(group.name)
+    return list(found.values())
+
+
+def _texts(changes: Mapping[str, Any]) -> list[str]:
+    """As --set takes them."""
+    return [f"{key}={to_toml({'v': value}).removeprefix('v = ').strip()}" for key, value in changes.items()]

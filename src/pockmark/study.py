@@ -1,0 +1,157 @@
+"""Running a campaign: each run once, kept by the hash of its scene; what stopped goes on, what fails stops nothing."""
+
+import csv
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+
+from . import __version__
+from .campaign import Case
+from .errors import PockmarkError
+from .forecast import forecast
+from .run import measure_run, run_scene
+from .scene import Scene
+from .store import RunFolder, commit, told
+
+
+@dataclass
+class Outcome:
+    """A case that is done: its results, or why there are none; `kept`: it was there already."""
+
+    case: Case
+    result: dict[str, Any] | None
+    fault: str = ""
+    kept: bool = False
+
+
+def run_study(cases: Sequence[Case], out: Path, *, jobs: int, console: Console) -> list[Outcome]:
+    """Run the cases that are not there yet, `jobs` at a time. Ctrl-C raises KeyboardInterrupt with what is done kept."""
+    outcomes = [
+        Outcome(case, measure_run(folder), kept=True) for case in cases if is_done(folder := place(out, case))
+    ]
+    open_cases = [case for case in cases if not is_done(place(out, case))]
+    threads = max(1, len(os.sched_getaffinity(0)) // jobs)
+    with _progress(console) as bar, _pool(jobs) as pool:
+        work = {case.scene.hash: forecast(case.scene, threads).seconds for case in open_cases}
+        task = bar.add_task(
+            f"{len(outcomes)} of {len(cases)} runs were there", total=sum(work.values()) or None
+        )
+        waiting: dict[Future[str], Case] = {
+            pool.submit(_run, case.scene.to_dict(), str(place(out, case)), threads): case
+            for case in open_cases
+        }
+        for future in _as_they_end(waiting):
+            case = waiting[future]
+            fault = future.result()
+            outcomes.append(Outcome(case, None if fault else measure_run(place(out, case)), fault))
+            failed = sum(bool(o.fault) for o in outcomes)
+            bar.update(
+                task,
+                advance=work[case.scene.hash],
+                description=f"{len(outcomes)} of {len(cases)} runs"
+                + (f", {failed} failed" if failed else ""),
+            )
+            bar.console.print(f"{case.label}: {fault or _short(outcomes[-1].result)}")
+    order = {case.scene.hash: i for i, case in enumerate(cases)}
+    return sorted(outcomes, key=lambda o: order[o.case.scene.hash])
+
+
+def place(out: Path, case: Case) -> Path:
+    """The run's folder."""
+    return out / case.scene.hash
+
+
+def is_done(folder: Path) -> bool:
+    """Whether a finished run of this version is there."""
+    try:
+        manifest = RunFolder.open(folder).manifest()
+    except PockmarkError:
+        return False
+    return manifest.get("status") == "finished" and manifest.get("pockmark") == __version__
+
+
+def summary(outcomes: Sequence[Outcome], title: str) -> Table:
+    """A row a run."""
+    table = Table("run", "C_p (um)", "D_c (um)", "E_i^r", "", title=title)
+    for outcome in outcomes:
+        crater, energy = (outcome.result or {}).get("crater", {}), (outcome.result or {}).get("energy", {})
+        shown = [_in_um(crater.get("depth")), _in_um(crater.get("diameter"))]
+        residual = energy.get("residual_internal")
+        shown.append("-" if residual is None else f"{residual:.4f}")
+        table.add_row(outcome.case.label, *shown, outcome.fault or ("was there" if outcome.kept else ""))
+    return table
+
+
+def write_results(outcomes: Sequence[Outcome], path: Path) -> None:
+    """One row a run: swept keys, groups, every measure (SI), version and commit."""
+    rows = [
+        outcome.case.swept
+        | {"groups": " ".join(outcome.case.groups), "fault": outcome.fault, "scene": outcome.case.scene.hash}
+        | dict(_flat(outcome.result or {}))
+        | {"version": __version__, "commit": commit() or ""}
+        for outcome in outcomes
+    ]
+    columns = dict.fromkeys(key for row in rows for key in row)
+    with told(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(columns), restval="")
+            writer.writeheader()
+            writer.writerows(rows)
+
+
+def _run(scene: dict[str, Any], folder: str, threads: int) -> str:
+    """In a process of its own: run a scene; returns why it failed, or an empty text."""
+    try:
+        _, finished = run_scene(Scene.from_dict(scene), folder, threads=threads, force=True, progress=False)
+    except PockmarkError as error:
+        return str(error).removeprefix(f"{folder}: ")
+    return "" if finished else "interrupted"
+
+
+def _as_they_end(waiting: Mapping[Future[str], Case]) -> Iterator[Future[str]]:
+    left = set(waiting)
+    while left:
+        done, left = wait(left, return_when=FIRST_COMPLETED)
+        yield from done
+
+
+def _pool(jobs: int) -> ProcessPoolExecutor:
+    # Not forked: a process with threads of OpenMP must not be.
+    return ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn"))
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=console,
+    )
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """("crater.depth", 1.5e-5), ..."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
+
+
+def _short(result: Mapping[str, Any] | None) -> str:
+    crater = (result or {}).get("crater", {})
+    return f"C_p {_in_um(crater.get('depth'))} um, D_c {_in_um(crater.get('diameter'))} um"
+
+
+def _in_um(value: float | None) -> str:
+    return "-" if value is None else f"{value * 1e6:.2f}"

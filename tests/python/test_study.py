@@ -1,0 +1,101 @@
+"""A campaign: its cases, what is kept, what fails, what a user is told."""
+
+import csv
+import io
+import shutil
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from pockmark import PockmarkError
+from pockmark.campaign import cases, load
+from pockmark.study import is_done, place, run_study, summary, write_results
+
+ROOT = Path(__file__).parents[2]
+TEXT = """
+title = "two speeds"
+scene = "quick.toml"
+set = { end_time = "2 ns", "output.snapshots" = "2 ns" }
+quick = { end_time = "1 ns" }
+
+[[group]]
+name = "speeds"
+figures = ["figure-1"]
+sweep = { "impact.speed" = ["1 km/s", "2 km/s"] }
+
+[[group]]
+name = "again"
+set = { "impact.angle" = "0 deg" }
+sweep = { "impact.speed" = ["2 km/s"], "numerics.scheme" = ["usavg", "usl"] }
+"""
+
+
+@pytest.fixture
+def folder(tmp_path):
+    shutil.copy(ROOT / "examples" / "quick.toml", tmp_path)
+    (tmp_path / "campaign.toml").write_text(TEXT)
+    return tmp_path
+
+
+def test_a_scene_that_two_groups_want_is_one_case(folder):
+    found = cases(load(folder), folder, quick=False, only=[])
+    print([(case.label, case.groups) for case in found])
+    assert [case.groups for case in found] == [["speeds"], ["speeds", "again"], ["again"]]
+    assert {case.scene.end_time for case in found} == {2e-9}
+    assert len(cases(load(folder), folder, quick=False, only=["figure-1"])) == 2
+    assert {case.scene.end_time for case in cases(load(folder), folder, quick=True, only=[])} == {1e-9}
+
+
+def test_what_is_done_is_kept_and_what_fails_stops_nothing(folder, tmp_path):
+    console = Console(file=io.StringIO())
+    found = cases(load(folder), folder, quick=False, only=[])
+    out = tmp_path / "runs"
+    # The first case cannot run.
+    place(out, found[0]).parent.mkdir(parents=True)
+    place(out, found[0]).write_text("a file where the run's folder should be")
+    outcomes = run_study(found, out, jobs=2, console=console)
+    print([(o.case.label, o.fault, o.kept) for o in outcomes])
+    assert [bool(o.fault) for o in outcomes] == [True, False, False]
+    assert outcomes[1].result["run"]["steps"] > 0
+    place(out, found[0]).unlink()
+    again = run_study(found, out, jobs=1, console=console)
+    assert [o.kept for o in again] == [False, True, True]
+    assert all(is_done(place(out, case)) for case in found)
+    assert not any(o.fault for o in again)
+
+    write_results(again, tmp_path / "results.csv")
+    rows = list(csv.DictReader((tmp_path / "results.csv").open()))
+    assert [row["impact.speed"] for row in rows] == ["1 km/s", "2 km/s", "2 km/s"]
+    assert float(rows[1]["energy.residual_internal"]) == again[1].result["energy"]["residual_internal"]
+    assert summary(again, "t").row_count == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (TEXT.replace("sweep", "sweeps"), "unknown key"),
+        (TEXT.replace('scene = "quick.toml"', ""), "scene: is missing"),
+        (TEXT.replace('["1 km/s", "2 km/s"]', "[]"), "sweep"),
+        ("title = [", "is not TOML"),
+    ],
+)
+def test_a_slip_is_one_sentence(folder, text, expected):
+    (folder / "campaign.toml").write_text(text)
+    with pytest.raises(PockmarkError, match=expected) as caught:
+        load(folder)
+    assert str(folder / "campaign.toml") in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_an_unknown_figure_is_refused(folder):
+    with pytest.raises(PockmarkError, match="no such group or figure, allowed are again, figure-1, speeds"):
+        cases(load(folder), folder, quick=False, only=["figure-9"])
+
+
+def test_the_committed_campaigns_load():
+    for path in sorted((ROOT / "studies").glob("*/campaign.toml")):
+        for quick in (False, True):
+            found = cases(load(path.parent), path.parent, quick=quick, only=[])
+            print(f"{path.parent.name}: {len(found)} runs{' in the quick form' if quick else ''}")
+            assert found
