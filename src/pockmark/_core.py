@@ -8,7 +8,7 @@ import sys
 # waited for wherever something else runs too: ten times slower on a busy machine. Read when the library is loaded.
 os.environ.setdefault("OMP_WAIT_POLICY", "passive")
 
-from . import _core_scalar  # noqa: E402
+from . import _core_scalar
 
 _supported = _core_scalar.supported_isas()
 
