@@ -42,16 +42,17 @@ GROWTH = [250_000, 500_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000]
 
 
 def bench(isa: str, arguments: list[str]) -> dict[str, Any]:
-    """The figures of `pockmark bench` in a process of its own, on one thread unless told."""
+    """The figures of `pockmark bench` in processes of their own, on one thread unless told: the fastest of three."""
     threads = [] if "--threads" in arguments else ["--threads", "1"]
-    done = subprocess.run(
-        [sys.executable, "-m", "pockmark", "bench", "--json", *threads, *arguments],
-        env=os.environ | ({"POCKMARK_ISA": isa} if isa else {}),
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    result = json.loads(done.stdout)
+    command = [sys.executable, "-m", "pockmark", "bench", "--json", *threads, *arguments]
+    environment = os.environ | ({"POCKMARK_ISA": isa} if isa else {})
+
+    def once() -> dict[str, Any]:
+        done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+        return dict(json.loads(done.stdout))
+
+    # The machines are shared: what else runs there only slows.
+    result = max((once() for _ in range(3)), key=lambda r: r["particle_steps_per_second"])
     row = {
         "isa": result["isa"],
         "points": result["points"],
