@@ -1,212 +1,158 @@
-"""The crater as a surface: from the target's points to a height map, and from it depth, diameter and volume.
+"""What a crater measures: depth, pithead, volume, rim. The definitions are in docs/metrology.md."""
 
-The target's volume fraction is laid on a grid of its own point spacing with linear tents; solid is where it
-exceeds one half. Only the largest connected piece of solid counts as target: ejecta and fragments drop out, the
-projectile's material that lines the crater was never in. In each column the surface is the highest crossing of one
-half of that piece, interpolated between grid points.
-"""
-
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
-from skimage.measure import find_contours
 
+from .contours import contour_area, extrapolated_contour, polygon_area
+from .ellipse import Ellipse, fit_ellipse
 from .scene import Mirror
+from .surface import Surface, target_surface
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Surface:
-    """The target on a grid x (nx,), y (ny,), z (nz,) m: volume fraction (nx, ny, nz) of its connected piece, height
-    (nx, ny) m of its surface, nan in empty columns. What lies behind a symmetry plane is there too; `computed` are the
-    columns (two slices) that do not."""
-
-    x: Array
-    y: Array
-    z: Array
-    fraction: Array
-    height: Array
-    computed: tuple[slice, slice]
-
-    def slice(self, z: float) -> Array:
-        """Volume fraction (nx, ny) at height z (m), interpolated."""
-        k = int(np.clip(np.searchsorted(self.z, z) - 1, 0, len(self.z) - 2))
-        part = (z - self.z[k]) / (self.z[k + 1] - self.z[k])
-        return np.asarray((1 - part) * self.fraction[:, :, k] + part * self.fraction[:, :, k + 1])
+SIGMA = 1 / math.sqrt(
+    12
+)  # standard deviation of a surface that lies evenly within one point spacing, in spacings
+SECTORS = 36  # directions that the rim's crest is looked for in
+FIT_RADIUS = 3.0  # of the bottom's paraboloid, spacings
 
 
 @dataclass(frozen=True)
 class Crater:
-    """Depth C_p of the bottom below z = 0, diameter D_c of the circle of the pithead's area, volume; m, m^3.
-
-    `diameter` is None where no closed edge lies around the bottom.
-    """
+    """Depth C_p below z = 0 (m), place of the bottom (x, y; m), radius of curvature there along x (m), volume (m^3) below
+    z = 0, mean height of the rim's crest (m); of the pithead the contour (n, 2; m) at z = 0, its ellipse and the
+    diameter D_c (m) of the circle of its area: None where no closed edge lies around the bottom."""
 
     depth: float
-    diameter: float | None
-    volume: float
     bottom: tuple[float, float]
+    bottom_radius: float
+    volume: float
+    rim_height: float
+    diameter: float | None
+    contour: Array | None
+    pithead: Ellipse | None
 
 
-def target_surface(
-    position: Array, volume: Array, spacing: float, *, mirrors: Sequence[Mirror] = ()
-) -> Surface:
-    """Surface of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m; whole about `mirrors`."""
-    for mirror in mirrors:
-        position, volume = _with_images(position, volume, mirror, 2 * spacing)
-    # The first mirror of an axis lies between two columns; the mirrored half is then the other's exact image.
-    origin = np.zeros(3)
-    for mirror in reversed(mirrors):
-        origin[mirror.axis] = mirror.at
-    lower = origin + (np.floor((position.min(axis=0) - origin) / spacing) - 2) * spacing
-    fraction = _largest_piece(_volume_fraction(position, volume, lower, spacing))
-    computed = [slice(0, n) for n in fraction.shape[:2]]
-    for mirror in sorted(mirrors, key=lambda m: not m.above):
-        fraction = _unfolded(fraction, computed, lower, spacing, mirror)
-    x, y, z = (lower[a] + (np.arange(fraction.shape[a]) + 0.5) * spacing for a in range(3))
-    return Surface(x, y, z, fraction, _height(fraction, z), (computed[0], computed[1]))
+def measure_target(
+    position: Array, volume: Array, spacing: float, *, mirrors: Sequence[Mirror] = (), level: float = 0.5
+) -> Crater | None:
+    """The crater in the target's points, as for `target_surface`; None if there is none."""
+    surface = target_surface(position, volume, spacing, mirrors=mirrors, level=level)
+    return None if surface is None else measure_crater(surface)
 
 
-def _with_images(position: Array, volume: Array, mirror: Mirror, reach: float) -> tuple[Array, Array]:
-    """The points with the mirror images of those within `reach` of the mirror, whose tents cross it."""
-    near = np.abs(position[:, mirror.axis] - mirror.at) < reach
-    image = position[near]
-    image[:, mirror.axis] = 2 * mirror.at - image[:, mirror.axis]
-    return np.concatenate([position, image]), np.concatenate([volume, volume[near]])
-
-
-def _unfolded(fraction: Array, computed: list[slice], lower: Array, spacing: float, mirror: Mirror) -> Array:
-    """The fraction on both sides of the mirror; `computed` and `lower` are moved along."""
-    a = mirror.axis
-    wall = round((mirror.at - lower[a]) / spacing)  # the first column above the mirror
-    kept = fraction.take(range(wall) if mirror.above else range(wall, fraction.shape[a]), axis=a)
-    image = np.flip(kept, axis=a)
-    n = kept.shape[a]
-    if mirror.above:
-        computed[a] = slice(computed[a].start, wall)
-        return np.concatenate([kept, image], axis=a)
-    lower[a] += (wall - n) * spacing
-    computed[a] = slice(n, n + computed[a].stop - wall)
-    return np.concatenate([image, kept], axis=a)
-
-
-def _volume_fraction(position: Array, volume: Array, lower: Array, spacing: float) -> Array:
-    """Volume fraction at the centres lower + (i + 1/2) spacing."""
-    local = (position - lower) / spacing - 0.5
-    base = np.floor(local).astype(np.int64)
-    shape = tuple(base.max(axis=0) + 4)
-    weights = np.stack([1.0 - (local - base), local - base])
-    share = volume / spacing**3
-    out = np.zeros(int(np.prod(shape)))
-    for i, j, k in np.ndindex(2, 2, 2):
-        node = np.ravel_multi_index((base[:, 0] + i, base[:, 1] + j, base[:, 2] + k), shape)
-        out += np.bincount(
-            node, share * weights[i, :, 0] * weights[j, :, 1] * weights[k, :, 2], minlength=out.size
-        )
-    return out.reshape(shape)
-
-
-def _largest_piece(fraction: Array) -> Array:
-    """The fraction without what does not hang together with the largest piece of solid."""
-    labels, count = ndimage.label(fraction > 0.5)
-    if count == 0:
-        return np.zeros_like(fraction)
-    largest = np.argmax(np.bincount(labels.ravel())[1:]) + 1
-    others = (labels > 0) & (labels != largest)
-    return np.where(others, 0.0, fraction)
-
-
-def _height(fraction: Array, z: Array) -> Array:
-    """Highest crossing of one half in each column; nan where there is none."""
-    solid = fraction > 0.5
-    top = solid.shape[2] - 1 - np.argmax(solid[:, :, ::-1], axis=2)
-    i, j = np.indices(top.shape)
-    inside, outside = fraction[i, j, top], fraction[i, j, np.minimum(top + 1, solid.shape[2] - 1)]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        part = (inside - 0.5) / (inside - outside)
-    height = z[top] + part * (z[1] - z[0])
-    return np.where(solid.any(axis=2), height, np.nan)
-
-
-def measure_crater(surface: Surface, *, spacing: float) -> Crater | None:
-    """Measure the crater that holds the deepest point; None if nothing is deeper than half a spacing.
-
-    C_p is the vertex of a paraboloid fitted to the columns within three spacings of the deepest one, pits of a column
-    filled first, so that no single noisy column decides. The tents round an edge within a spacing of it, so the pithead's area is extrapolated to z = 0
-    (linearly, as of a paraboloid) from the slices one and two spacings below; for a crater shallower than three
-    spacings it is that of the slice half a spacing below.
-    """
-    height = np.where(np.isnan(surface.height), 0.0, surface.height)
-    inner = _without_edges(height)
-    bowl = _without_pits(inner, spacing)
-    i, j = _deepest(ndimage.gaussian_filter(bowl, 0.7), surface.computed)
-    depth = -_bottom(surface, bowl, i, j, 3 * spacing)
-    if depth < 0.5 * spacing:
+def measure_crater(surface: Surface) -> Crater | None:
+    """The crater that holds the deepest point of the surface; None if that is less than half a spacing deep."""
+    floor = _without_pits(_floor(surface), surface.spacing)
+    smooth = ndimage.gaussian_filter(floor, 1.4)
+    i, j = (int(n) for n in np.unravel_index(np.argmin(smooth), floor.shape))
+    bottom, depth, radius = _bottom(surface, floor, i, j)
+    if depth < 0.5 * surface.spacing:
         return None
-
-    def area(level: float) -> float:
-        return _enclosing_area(surface.slice(level * spacing), i, j) * spacing**2
-
-    pithead = area(-0.5) if depth < 3 * spacing else 2 * area(-1.0) - area(-2.0)
-    labels, _ = ndimage.label(inner < -0.1 * spacing)
-    inside = labels == labels[i, j]
-    volume = float(-inner[inside].sum()) * spacing**2
-    diameter = 2 * float(np.sqrt(pithead / np.pi)) if pithead > 0 else None
-    return Crater(depth, diameter, volume, (float(surface.x[i]), float(surface.y[j])))
-
-
-def _deepest(height: Array, columns: tuple[slice, slice]) -> tuple[int, int]:
-    """Indices of the lowest of the columns."""
-    part = height[columns]
-    i, j = np.unravel_index(np.argmin(part), part.shape)
-    return int(i) + columns[0].start, int(j) + columns[1].start
+    bowl = _bowl(surface, i, j)
+    contour = _pithead(surface, bowl, depth)
+    pithead = None if contour is None else fit_ellipse(contour)
+    area = None if contour is None else polygon_area(contour)
+    centre = pithead.centre if pithead else bottom
+    return Crater(
+        depth,
+        bottom,
+        radius,
+        _volume(surface, bowl, depth, area),
+        _rim_height(surface, centre),
+        None if area is None else 2 * math.sqrt(area / math.pi),
+        contour,
+        pithead,
+    )
 
 
-def _without_edges(height: Array, margin: int = 5) -> Array:
-    """The height map with the rim of the domain, where the fraction fades out, put to zero."""
-    out = np.zeros_like(height)
-    middle = slice(margin, -margin)
-    out[middle, middle] = height[middle, middle]
-    return out
+def _crossing(surface: Surface, k: NDArray[np.int64]) -> Array:
+    """Height (nx, ny) of one half between the nodes k (nx, ny), which are solid, and those above."""
+    i, j = np.indices(k.shape)
+    solid, void = surface.fraction[i, j, k], surface.fraction[i, j, np.minimum(k + 1, len(surface.z) - 1)]
+    step = surface.z[1] - surface.z[0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.nan_to_num((solid - 0.5) / (solid - void), nan=0.0, posinf=0.0, neginf=0.0)
+    return np.asarray(surface.z[k] + np.clip(part, 0.0, 1.0) * step)
 
 
-def _without_pits(height: Array, spacing: float) -> Array:
-    """The height map with columns more than a spacing below the median of the 3 x 3 around them put to that median."""
-    median = ndimage.median_filter(height, size=3)
-    return np.where(height < median - spacing, median, height)
+def _floor(surface: Surface) -> Array:
+    """Lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor."""
+    lowest = np.argmax(surface.fraction <= 0.5, axis=2)
+    return _crossing(surface, np.maximum(lowest - 1, 0))
 
 
-def _bottom(surface: Surface, height: Array, i: int, j: int, radius: float) -> float:
-    """Lowest height of a paraboloid fitted around column (i, j), m; the column's own height if the fit has no vertex there."""
+def _without_pits(floor: Array, spacing: float) -> Array:
+    """The floor with columns more than a spacing below the median of the 5 x 5 around them put to that median."""
+    median = ndimage.median_filter(floor, size=5)
+    return np.where(floor < median - spacing, median, floor)
+
+
+def _bottom(surface: Surface, floor: Array, i: int, j: int) -> tuple[tuple[float, float], float, float]:
+    """Place (x, y), depth and radius of curvature along x of the vertex of a paraboloid fitted to the floor around
+    column (i, j), m; the paraboloid's at the column, and an infinite radius, if it has no vertex there."""
+    radius = FIT_RADIUS * surface.spacing
     dx, dy = np.meshgrid(surface.x - surface.x[i], surface.y - surface.y[j], indexing="ij")
     near = dx**2 + dy**2 <= radius**2
-    u, v, z = dx[near] / radius, dy[near] / radius, height[near]
+    u, v = dx[near] / radius, dy[near] / radius
     basis = np.stack([np.ones_like(u), u, v, u**2, u * v, v**2], axis=1)
-    a, b, c, d, e, f = np.linalg.lstsq(basis, z, rcond=None)[0]
+    a, b, c, d, e, f = np.linalg.lstsq(basis, floor[near], rcond=None)[0]
     hessian = np.array([[2 * d, e], [e, 2 * f]])
+    at, depth, curvature = (float(surface.x[i]), float(surface.y[j])), -float(a), math.inf
     if np.all(np.linalg.eigvalsh(hessian) > 0):
         vertex = -np.linalg.solve(hessian, [b, c])
         if float(vertex @ vertex) <= 1.0:
-            return float(a + 0.5 * (b * vertex[0] + c * vertex[1]))
-    return float(height[i, j])
+            at = (at[0] + radius * float(vertex[0]), at[1] + radius * float(vertex[1]))
+            depth = -float(a + 0.5 * (b * vertex[0] + c * vertex[1]))
+            curvature = float(radius**2 / (2 * d))
+    return at, depth, curvature
 
 
-def _enclosing_area(fraction: Array, i: int, j: int) -> float:
-    """Area (columns) inside the contour of one half around column (i, j); the largest if none encloses it."""
-    areas = []
-    for contour in find_contours(fraction, 0.5):  # type: ignore[no-untyped-call]
-        u, v = contour[:, 0], contour[:, 1]
-        area = 0.5 * abs(float(np.dot(u, np.roll(v, 1)) - np.dot(v, np.roll(u, 1))))
-        areas.append((_winds_around(u - i, v - j), -area))
-    # The block's own outline winds around too: the smallest contour that does is the crater's.
-    return -max(areas)[1] if areas else 0.0
+def _bowl(surface: Surface, i: int, j: int) -> Array:
+    """The fraction below z = 0 (nx, ny, nz'), solid everywhere but in the crater that is open in column (i, j)."""
+    below = surface.fraction[:, :, surface.z < -0.25 * surface.spacing]
+    labels, _ = ndimage.label(below <= 0.5)
+    column = labels[i, j][labels[i, j] > 0]
+    if len(column) == 0:
+        return np.ones_like(below)
+    crater = ndimage.binary_dilation(labels == column[0], np.ones((3, 3, 3)))
+    return np.where(crater & ((labels == column[0]) | (labels == 0)), below, 1.0)
 
 
-def _winds_around(u: Array, v: Array) -> bool:
-    """Whether the closed polygon (u, v) goes around the origin."""
-    turn = np.diff(np.unwrap(np.arctan2(v, u)))
-    return bool(abs(turn.sum()) > np.pi)
+def _pithead(surface: Surface, bowl: Array, depth: float) -> Array | None:
+    """Contour (n, 2) of the crater at z = 0, m, extrapolated from the slices h/2 and 3h/2 below; None if it is open.
+
+    At z = 0 itself an untouched surface is on the level too. A crater shallower than 2h has no second slice: the
+    contour is that of the first.
+    """
+    upper = bowl[:, :, -1]
+    edges = np.concatenate([upper[0], upper[-1], upper[:, 0], upper[:, -1]])
+    if np.any(edges <= 0.5):
+        return None
+    contour = extrapolated_contour(upper, bowl[:, :, -3] if depth >= 2 * surface.spacing else None)
+    if contour is None:
+        return None
+    return np.array([surface.x[0], surface.y[0]]) + contour * surface.spacing / 2
+
+
+def _volume(surface: Surface, bowl: Array, depth: float, area: float | None) -> float:
+    """Integral of the slices' areas from z = 0 (the pithead's `area`, or that of the first slice) to -depth, m^3."""
+    heights = surface.z[: bowl.shape[2]]
+    areas = [contour_area(bowl[:, :, k]) * (surface.spacing / 2) ** 2 for k in range(len(heights))]
+    kept = [k for k in range(len(heights)) if heights[k] > -depth]
+    z = [-depth, *(float(heights[k]) for k in kept), 0.0]
+    return float(np.trapezoid([0.0, *(areas[k] for k in kept), areas[-1] if area is None else area], z))
+
+
+def _rim_height(surface: Surface, centre: tuple[float, float]) -> float:
+    """Mean over directions of the highest point of the target, m; 0 at least."""
+    top = len(surface.z) - 1 - np.argmax(surface.fraction[:, :, ::-1] > 0.5, axis=2)
+    height = _crossing(surface, top)
+    dx, dy = np.meshgrid(surface.x - centre[0], surface.y - centre[1], indexing="ij")
+    sector = np.floor((np.arctan2(dy, dx) / (2 * math.pi) % 1.0) * SECTORS).astype(int) % SECTORS
+    crest = ndimage.maximum(height, sector, np.unique(sector))
+    return max(0.0, float(np.mean(crest)))

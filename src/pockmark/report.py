@@ -13,7 +13,7 @@ Results = Mapping[str, Any]
 def report(result: Results) -> Table:
     """The table that `pockmark run` and `measure` print."""
     table = Table(show_header=False, title="Crater")
-    for part in (_crater, _energy, _run, _counted):
+    for part in (_crater, _ejecta, _energy, _run, _counted):
         for name, value in part(result):
             table.add_row(name, value)
         table.add_section()
@@ -32,11 +32,30 @@ def _crater(result: Results) -> Iterator[tuple[str, str]]:
     if crater["depth"] is None:
         yield "crater", "none"
         return
-    yield "depth C_p", _shown(crater["depth"], "{:.2f} um", unit=1e-6)
-    yield "diameter D_c", _shown(crater["diameter"], "{:.2f} um", unit=1e-6)
+    known = crater["uncertainty"] or {}
+
+    def length(key: str) -> str:
+        spread = _shown(known.get(key), " +- {:.2f}", unit=1e-6) if known.get(key) is not None else ""
+        return _shown(crater[key], f"{{:.2f}}{spread} um", unit=1e-6)
+
+    yield "depth C_p", length("depth")
+    yield "diameter D_c", length("diameter")
+    yield "D_max", length("major_axis")
+    yield "D_min", length("minor_axis")
+    yield "e1, e2", ", ".join(_shown(crater[key], "{:z.3f}") for key in ("e1", "e2"))
+    yield "rim height", length("rim_height")
+    yield "lining of projectile", _shown(crater["lining_fraction"], "{:.0%} of it")
     yield "volume", _shown(crater["volume"], "{:.0f} um^3", unit=1e-18)
     yield "C_p/d_p", _shown(crater["depth_over_projectile_diameter"], "{:.3f}")
     yield "C_p/D_c", _shown(crater["depth_over_diameter"], "{:.3f}")
+
+
+def _ejecta(result: Results) -> Iterator[tuple[str, str]]:
+    if not (ejecta := result["ejecta"]):
+        return
+    masses = (_shown(ejecta[key], "{:.3g}", unit=1e-12) for key in ("mass", "left_mass"))
+    yield "ejecta in the grid, left", ", ".join(masses) + " ng"
+    yield "momentum enhancement beta", _shown(ejecta["beta"], "{:.4f}")
 
 
 def _energy(result: Results) -> Iterator[tuple[str, str]]:

@@ -6,10 +6,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .crater import Crater, measure_crater, target_surface
+from .crater import Crater, measure_target
+from .ejecta import copies, enhancement, find_ejecta, whole_momentum
+from .lining import lining
 from .scene import Mirror
+from .uncertainty import LEVELS, uncertainties
 
 SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "viscous")
+SHAPE = (
+    "major_axis",
+    "minor_axis",
+    "orientation",
+    "centre_x",
+    "bottom_x",
+    "e1",
+    "e2",
+    "rim_height",
+    "depth_over_major_axis",
+    "depth_over_minor_axis",
+    "lining_fraction",
+    "lining_thickness",
+    "uncertainty",
+)
 
 
 def crater_of(
@@ -18,15 +36,85 @@ def crater_of(
     target_bodies: Sequence[int],
     spacing: float,
     mirrors: Sequence[Mirror],
+    level: float = 0.5,
 ) -> Crater | None:
     """The crater in a snapshot of all points; None if there is none, or the points are no longer anywhere."""
     is_target = np.isin(snapshot["body"], target_bodies)
-    if not is_target.any() or not np.isfinite(snapshot["position"][is_target]).all():
+    position = snapshot["position"][is_target]
+    if not is_target.any() or not np.isfinite(position).all():
         return None
-    surface = target_surface(
-        snapshot["position"][is_target], snapshot["volume"][is_target], spacing, mirrors=mirrors
+    return measure_target(position, snapshot["volume"][is_target], spacing, mirrors=mirrors, level=level)
+
+
+def morphology_table(
+    snapshot: Mapping[str, NDArray[Any]],
+    crater: Crater | None,
+    *,
+    target_bodies: Sequence[int],
+    projectile_bodies: Sequence[int],
+    projectile_mass: float,
+    spacing: float,
+    mirrors: Sequence[Mirror],
+) -> dict[str, Any]:
+    """The crater's shape, lining and uncertainties, SI; None for what there is not. `projectile_mass` in kg at the start."""
+    shape: dict[str, Any] = dict.fromkeys(SHAPE)
+    if crater is None:
+        return shape
+    mass, thickness = lining(
+        snapshot, crater, projectile_bodies=projectile_bodies, spacing=spacing, mirrors=mirrors
     )
-    return measure_crater(surface, spacing=spacing)
+    low, high = (
+        crater_of(snapshot, target_bodies=target_bodies, spacing=spacing, mirrors=mirrors, level=level)
+        for level in LEVELS
+    )
+    shape |= {
+        "bottom_x": crater.bottom[0],
+        "rim_height": crater.rim_height,
+        "lining_fraction": _ratio(mass, projectile_mass),
+        "lining_thickness": thickness,
+        "uncertainty": uncertainties(crater, (low, high), spacing),
+    }
+    if (ellipse := crater.pithead) is not None:
+        shape |= {
+            "major_axis": ellipse.major,
+            "minor_axis": ellipse.minor,
+            "orientation": ellipse.orientation,
+            "centre_x": ellipse.centre[0],
+            "e1": ellipse.e1(crater.bottom[0]),
+            "e2": ellipse.e2,
+            "depth_over_major_axis": crater.depth / ellipse.major,
+            "depth_over_minor_axis": crater.depth / ellipse.minor,
+        }
+    return shape
+
+
+def ejecta_table(
+    snapshot: Mapping[str, NDArray[Any]],
+    ledger: Mapping[str, float],
+    *,
+    projectile_momentum: float,
+    spacing: float,
+    mirrors: Sequence[Mirror],
+) -> dict[str, Any]:
+    """Ejecta in the grid and what left it, of the whole impact, SI; None where points are no longer anywhere.
+    `projectile_momentum`: into the target, of what is computed, at the start, kg m/s."""
+    if not np.isfinite(snapshot["position"]).all():
+        return {}
+    found, n = find_ejecta(snapshot, spacing, mirrors), copies(mirrors)
+    left = whole_momentum(n * np.array([ledger[f"left_momentum_{axis}"] for axis in "xyz"]), mirrors)
+    return {
+        "mass": found.mass,
+        "momentum": found.momentum.tolist(),
+        "kinetic": found.kinetic,
+        "left_mass": n * ledger["left_mass"],
+        "left_momentum": left.tolist(),
+        "left_kinetic": n * ledger["left_kinetic"],
+        "beta": enhancement(float(found.momentum[2] + left[2]), n * projectile_momentum),
+        "speed_edges": found.speed_edges.tolist(),
+        "mass_by_speed": found.mass_by_speed.tolist(),
+        "angle_edges": found.angle_edges.tolist(),
+        "mass_by_angle": found.mass_by_angle.tolist(),
+    }
 
 
 def result_table(

@@ -13,6 +13,7 @@ from . import __version__, results
 from .bodies import Sphere
 from .crater import Crater
 from .errors import PockmarkError
+from .lattice import count
 from .plots import HISTORY_COLUMNS, Cast, history_figure, slice_figure
 from .scene import Scene
 from .simulation import Simulation, Task
@@ -24,7 +25,10 @@ from .tasks import History, ProgressBar, Snapshots
 MEASURED = {
     "run": {"points", "steps", "time", "particle_steps_per_second", "max_compression"},
     "options": {"scheme", "shape_functions", "precision"},
-    "ledger": {*results.SHARES, "initial", "error"},
+    "ledger": {
+        *results.SHARES,
+        *("initial", "error", "left_mass", "left_momentum_x", "left_momentum_y", "left_momentum_z"),
+    },
     "counters": set(),
 }
 
@@ -131,13 +135,30 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         "end_time": scene.end_time,
     }
     snapshot = folder.last_snapshot()
+    crater, mass = _crater(snapshot, scene), _projectile_mass(scene)
     table = results.result_table(
-        _crater(snapshot, scene),
+        crater,
         float(snapshot["time"][0]),
         _projectile_diameter(scene),
         ledger,
         run,
         manifest["counters"],
+    )
+    table["crater"] |= results.morphology_table(
+        snapshot,
+        crater,
+        target_bodies=scene.targets,
+        projectile_bodies=scene.projectiles,
+        projectile_mass=mass,
+        spacing=_target_spacing(scene),
+        mirrors=scene.mirrors,
+    )
+    table["ejecta"] = results.ejecta_table(
+        snapshot,
+        ledger,
+        projectile_momentum=-mass * scene.impact.velocity[2],
+        spacing=_target_spacing(scene),
+        mirrors=scene.mirrors,
     )
     history = folder.history("error", "initial")
     initial = float(history["initial"][0])
@@ -190,6 +211,12 @@ def _slice_plane(scene: Scene) -> float:
 
 def _target_spacing(scene: Scene) -> float:
     return scene.body[scene.targets[0] if scene.targets else 0].spacing
+
+
+def _projectile_mass(scene: Scene) -> float:
+    """Mass of the projectiles' points at the start, kg, of what is computed."""
+    bodies = [scene.body[i] for i in scene.projectiles]
+    return sum(count(b, scene.grid.box) * b.spacing**3 * scene.materials[b.material].density for b in bodies)
 
 
 def _projectile_diameter(scene: Scene) -> float:

@@ -119,7 +119,7 @@ def test_markers_tile_the_plane(snapshot, tmp_path: Path):
 
 
 def test_crater_depth_is_marked(snapshot):
-    crater = Crater(depth=7.3 * UM, diameter=20 * UM, volume=1e-15, bottom=(1 * UM, 1 * UM))
+    crater = Crater(7.3 * UM, (UM, UM), 10 * UM, 1e-15, 0.0, 20 * UM, contour=None, pithead=None)
     _, panels = draw(snapshot, crater)
     # Above the panel, where it hides no wall; within it there is only the arrow.
     assert all("7.3" in axes.get_title(loc="right") for axes in panels)

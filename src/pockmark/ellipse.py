@@ -1,0 +1,45 @@
+"""The least-squares ellipse of a closed contour, and the eccentricity ratios of Liu et al. 2015, Eqs. 23 and 24."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from skimage.measure import EllipseModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Ellipse:
+    """Centre (m), lengths of the major and the minor axis (m), angle of the major axis from x in -pi/2 .. pi/2 (rad)."""
+
+    centre: tuple[float, float]
+    major: float
+    minor: float
+    orientation: float
+
+    @property
+    def e2(self) -> float:
+        """sqrt(1 - (D_min / D_max)^2), Eq. 24."""
+        return math.sqrt(1 - (self.minor / self.major) ** 2)
+
+    def e1(self, bottom_x: float) -> float:
+        """2 (C_xs - C_xb) / D_max, Eq. 23, as printed: positive where the bottom (x, m) lies on the side of -x."""
+        return 2 * (self.centre[0] - bottom_x) / self.major
+
+
+def fit_ellipse(contour: Array) -> Ellipse | None:
+    """Direct least-squares ellipse of contour (n, 2), m; None where there is none."""
+    scale = float(np.ptp(contour, axis=0).max())
+    if not scale > 0:
+        return None
+    middle = contour.mean(axis=0)
+    model = EllipseModel.from_estimate((contour - middle) / scale)  # type: ignore[no-untyped-call]
+    if not model:
+        return None
+    (x, y), (a, b), angle = map(float, model.center), map(float, model.axis_lengths), float(model.theta)
+    if b > a:
+        a, b, angle = b, a, angle + math.pi / 2
+    centre = (float(middle[0] + x * scale), float(middle[1] + y * scale))
+    return Ellipse(centre, 2 * a * scale, 2 * b * scale, math.remainder(angle, math.pi))

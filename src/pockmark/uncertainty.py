@@ -1,0 +1,45 @@
+"""How well a crater's measures are known: what a shift of the level set by a fraction of a point spacing does.
+
+A surface made of points is known to within one spacing h; what lies evenly within it has the standard deviation
+delta = h/sqrt(12), a seventh of a cell at two points a cell. Near the surface the fraction falls by one over h, so the
+levels 1/2 - 1/sqrt(12) and 1/2 + 1/sqrt(12) are the surface moved by delta either way.
+"""
+
+import math
+
+from .crater import FIT_RADIUS, SIGMA, Crater
+
+LEVELS = (0.5 - SIGMA, 0.5 + SIGMA)
+
+
+def uncertainties(
+    crater: Crater, shifted: tuple[Crater | None, Crater | None], spacing: float
+) -> dict[str, float | None]:
+    """Standard uncertainties, by the keys of the results, in the units of their values; None where one is not known.
+
+    Half the difference of the measures of the `shifted` craters (at LEVELS); for centre, bottom, e1 and e2, which a
+    common shift leaves as they are, what follows if either end of the axes is off by delta, and the floor by delta
+    across the radius of the bottom's fit.
+    """
+    delta = SIGMA * spacing
+    low, high = shifted
+    out: dict[str, float | None] = {}
+    for key in ("depth", "diameter", "volume", "rim_height"):
+        a, b = (None if c is None else getattr(c, key) for c in (low, high))
+        out[key] = None if a is None or b is None else abs(b - a) / 2
+    bottom = delta / (FIT_RADIUS * spacing) * crater.bottom_radius
+    out["bottom_x"] = bottom if math.isfinite(bottom) else None
+    if crater.pithead is None:
+        return out
+    axis, e = math.sqrt(2) * delta, crater.pithead
+    narrow, wide = max(0.0, e.minor - axis) / e.major, min(1.0, (e.minor + axis) / e.major)
+    out["centre_x"] = axis / 2
+    if low and high and low.pithead and high.pithead:
+        out["major_axis"] = abs(high.pithead.major - low.pithead.major) / 2
+        out["minor_axis"] = abs(high.pithead.minor - low.pithead.minor) / 2
+    out["e1"] = 2 * math.hypot(axis / 2, bottom) / e.major if math.isfinite(bottom) else None
+    out["e2"] = (math.sqrt(1 - narrow**2) - math.sqrt(1 - wide**2)) / 2
+    if (u := out["depth"]) is not None:
+        for key, d in (("depth_over_major_axis", e.major), ("depth_over_minor_axis", e.minor)):
+            out[key] = crater.depth / d * math.hypot(u / crater.depth, axis / d)
+    return out
