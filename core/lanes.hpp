@@ -40,10 +40,6 @@ struct Pack {
   PM_HD static bool first(int n) { return n > 0; }
   PM_HD static V load(const V* at, int = 1) { return *at; }
   PM_HD static void store(V* at, V v, int = 1) { *at = v; }
-  // Numbers of the nodes (i, j, k), cut to whole ones, on a grid of `plane` nodes a plane and `row` a row.
-  PM_HD static void nodes(std::uint32_t* at, V i, V j, V k, std::uint32_t plane, std::uint32_t row) {
-    *at = std::uint32_t(int(i)) * plane + std::uint32_t(int(j)) * row + std::uint32_t(int(k));
-  }
 };
 template <class V>
 using number_t = typename Pack<V>::Number;
@@ -193,8 +189,6 @@ struct Pack<Lanes<T>> {
   using Mask = LaneMask<T>;
   using UInt = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
   using Bits = typename LaneVector<UInt>::type;
-  typedef std::uint32_t Whole __attribute__((vector_size(4 * V::width)));
-  typedef std::int32_t SignedWhole __attribute__((vector_size(4 * V::width)));
   using InMemory = typename LaneVector<T>::in_memory;  // aliases plain numbers, as GCC's vectors do
   static constexpr int width = V::width;
   PM_HD static Mask mask(bool b) { return Mask::of(b); }
@@ -202,11 +196,6 @@ struct Pack<Lanes<T>> {
   PM_HD static V load(const T* at) { return V(typename V::Raw(*reinterpret_cast<const InMemory*>(at))); }
   PM_HD static V load(const T* at, int n) {
     return n == width ? load(at) : V(typename V::Raw(masked_load(lanes(n), at)));
-  }
-  PM_HD static void nodes(std::uint32_t* at, V i, V j, V k, std::uint32_t plane, std::uint32_t row) {
-    const auto whole = [](V v) { return (Whole) __builtin_convertvector(v.v, SignedWhole); };
-    const Whole node = whole(i) * plane + whole(j) * row + whole(k);
-    std::memcpy(at, &node, sizeof(node));
   }
   PM_HD static void store(T* at, V v) { *reinterpret_cast<InMemory*>(at) = v.v; }
   PM_HD static void store(T* at, V v, int n) { n == width ? store(at, v) : masked_store(lanes(n), at, v.v); }

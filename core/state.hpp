@@ -161,11 +161,6 @@ struct GridGeometry {
     ijk[1] = int((double(in_plane) + 0.5) * per_row);
     ijk[2] = int(in_plane - ijk[1] * index(0, 1, 0));
   }
-  // Position in units of cells from the first (padding) node.
-  template <class V>
-  PM_HD V local(V x, int axis) const {
-    return (x - lower[axis]) * per_metre + T(pad);
-  }
 };
 
 template <class T>

@@ -38,23 +38,19 @@ PM_HD void for_each_pack(const Range& range, F&& f) {
   if (p < end) f(p, int(end - p));
 }
 
-// A column of numbers of the points of a block. Packs may write past their points' end: what follows is
+// Columns of numbers of the points of a block. Packs may write past their points' end: what follows is
 // written later, or is spare.
-template <class T>
-struct Column {
-  alignas(64) T at[Block::most + 16];
-};
 template <class T, int count>
 struct Columns {
-  Column<T> column[count];
+  alignas(64) T at[count][Block::most + 16];
 
   template <class V = T>
   PM_HD V load(int c, std::size_t i) const {
-    return Pack<V>::load(column[c].at + i);
+    return Pack<V>::load(at[c] + i);
   }
   template <class V>
   PM_HD void store(int c, std::size_t i, V v, int n = Pack<V>::width) {
-    Pack<V>::store(column[c].at + i, v, n);
+    Pack<V>::store(at[c] + i, v, n);
   }
   template <class V = T>
   PM_HD Vec3<V> vector(std::size_t i) const {

@@ -215,6 +215,10 @@ void move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, 
   if (Shape::offset == 0) return;
   // These functions reach beyond the faces: a point can leave the grid and keep its stencil.
   for_each_run(block, [&](const Run& run) {
+    bool rim = false;
+    for (int a = 0; a < 3; ++a)
+      rim = rim || run.base[a] < geometry.pad || run.base[a] >= geometry.pad + geometry.cells[a] - 1;
+    if (!rim) return;
     for (std::size_t p = run.begin; p < run.end; ++p)
       if (points.cell[p] == run.node && face_crossed(geometry, run.base, points.vector(Field::place, p)) >= 0)
         relocate<Shape>(points, geometry, p, relocated);
