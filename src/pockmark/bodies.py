@@ -11,14 +11,19 @@ from .units import Length
 Vector = tuple[Length, Length, Length]
 
 
-class Block(Model):
-    """A brick of material between two corners."""
+class Solid(Model):
+    """What bodies of every shape have."""
 
-    shape: Literal["block"]
     name: str
     material: str
     spacing: Annotated[Length, Field(gt=0)]
     projectile: bool = False
+
+
+class Block(Solid):
+    """A brick of material between two corners."""
+
+    shape: Literal["block"]
     lower: Vector
     upper: Vector
 
@@ -34,14 +39,10 @@ class Block(Model):
         return self.lower, self.upper
 
 
-class Sphere(Model):
+class Sphere(Solid):
     """A ball of material. Its radius is rounded to a whole number of point spacings."""
 
     shape: Literal["sphere"]
-    name: str
-    material: str
-    spacing: Annotated[Length, Field(gt=0)]
-    projectile: bool = False
     center: Vector
     radius: Annotated[Length, Field(gt=0)]
 
