@@ -1,7 +1,6 @@
 """A campaign: one scene with swept keys, in groups that figures and tables are drawn from."""
 
 import itertools
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +12,7 @@ from .errors import PockmarkError
 from .materials import Model
 from .scene import Scene
 from .sentences import sentence
-from .toml import to_toml
+from .toml import read_toml, to_toml
 
 FILE = "campaign.toml"
 Changes = Annotated[dict[str, Any], Field(default_factory=dict)]  # "impact.speed": "4 km/s"
@@ -58,11 +57,7 @@ def load(folder: Path) -> Campaign:
     """Read a campaign. Raises PockmarkError with one sentence."""
     path = folder / FILE
     try:
-        return Campaign.model_validate(tomllib.loads(path.read_text(encoding="utf-8")))
-    except OSError as error:
-        raise PockmarkError(f"{path}: cannot be read ({error.strerror})") from None
-    except tomllib.TOMLDecodeError as error:
-        raise PockmarkError(f"{path}: is not TOML ({error})") from None
+        return Campaign.model_validate(read_toml(path))
     except ValidationError as error:
         raise PockmarkError(f"{path}: {sentence(error)}") from None
 
@@ -75,6 +70,8 @@ def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> 
             f"--only {unknown[0]}: no such group or figure, allowed are {', '.join(sorted(known))}"
         )
     found: dict[str, Case] = {}
+    path = folder / campaign.scene
+    base = read_toml(path)
     for group in campaign.group:
         if only and not set(only) & {group.name, *group.figures}:
             continue
@@ -82,7 +79,7 @@ def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> 
         for values in itertools.product(*sweep.values()):
             swept = dict(zip(sweep, values, strict=True))
             changes = campaign.set | group.set | (campaign.quick if quick else {}) | swept
-            scene = Scene.load(folder / campaign.scene, _texts(changes))
+            scene = Scene.from_dict(base, source=str(path), overrides=_texts(changes))
             case = found.setdefault(scene.hash, Case(scene, swept))
             case.groups.append(group.name)
     return list(found.values())

@@ -4,7 +4,6 @@ import hashlib
 import itertools
 import json
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +17,7 @@ from .lattice import count, size
 from .materials import Material, Model, complete
 from .overrides import override
 from .sentences import sentence
-from .toml import to_toml
+from .toml import read_toml, to_toml
 from .units import Angle, Length, Number, Speed, Time
 
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
@@ -147,15 +146,7 @@ class Scene(Model):
     @classmethod
     def load(cls, path: str | Path, overrides: str | Sequence[str] = ()) -> "Scene":
         """Read a TOML scene; `overrides` are texts "key.key=value", or one such. Raises PockmarkError."""
-        try:
-            table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-        except OSError as error:
-            raise PockmarkError(f"{path}: cannot be read ({error.strerror})") from None
-        except UnicodeDecodeError:
-            raise PockmarkError(f"{path}: is not a text file") from None
-        except (ValueError, RecursionError) as error:  # not only TOMLDecodeError: a number of 5000 digits
-            raise PockmarkError(f"{path}: is not TOML ({error})") from None
-        return cls.from_dict(table, source=str(path), overrides=overrides)
+        return cls.from_dict(read_toml(path), source=str(path), overrides=overrides)
 
     @classmethod
     def from_dict(

@@ -1,10 +1,26 @@
-"""Writing TOML, which tomllib only reads."""
+"""Reading TOML with one sentence a fault, and writing it, which tomllib does not."""
 
 import json
 import math
 import re
+import tomllib
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
+
+from .errors import PockmarkError
+
+
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """The tables of a file. Raises PockmarkError naming it."""
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise PockmarkError(f"{path}: cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise PockmarkError(f"{path}: is not a text file") from None
+    except (ValueError, RecursionError) as error:  # not only TOMLDecodeError: a number of 5000 digits
+        raise PockmarkError(f"{path}: is not TOML ({error})") from None
 
 
 def to_toml(table: Mapping[str, Any], prefix: str = "") -> str:
