@@ -152,20 +152,23 @@ class RunFolder:
 
 
 class Snapshot(Mapping[str, NDArray[Any]]):
-    """The fields of a snapshot file, each read when it is asked for; `time` is an array of one."""
+    """The fields of a snapshot file, each read when it is first asked for; `time` is an array of one."""
 
     def __init__(self, path: Path) -> None:
         """Raises PockmarkError if the file is not a snapshot."""
         self._path = path
+        self._read: dict[str, NDArray[Any]] = {}
         with self._root() as root:
             self._places = {name: f"PointData/{name}" for name in root["PointData"]}
         self._places |= {"position": "Points", "time": "FieldData/time"}
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """A field by its name."""
-        place = self._places[name]
-        with self._root() as root:
-            return np.asarray(root[place])
+        if name not in self._read:
+            place = self._places[name]
+            with self._root() as root:
+                self._read[name] = np.asarray(root[place])
+        return self._read[name]
 
     def __iter__(self) -> Iterator[str]:
         """The names."""
