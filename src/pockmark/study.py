@@ -1,7 +1,6 @@
 """Running a campaign: each run once, kept by the hash of its scene; what stopped goes on, what fails stops nothing."""
 
 import csv
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
@@ -19,6 +18,7 @@ from .errors import PockmarkError
 from .forecast import forecast
 from .run import measure_run, run_scene
 from .scene import Scene
+from .simulation import thread_count
 from .store import RunFolder, commit, told
 
 
@@ -34,11 +34,12 @@ class Outcome:
 
 def run_study(cases: Sequence[Case], out: Path, *, jobs: int, console: Console) -> list[Outcome]:
     """Run the cases that are not there yet, `jobs` at a time. Ctrl-C raises KeyboardInterrupt with what is done kept."""
+    there = {case.scene.hash for case in cases if is_done(place(out, case))}
+    open_cases = [case for case in cases if case.scene.hash not in there]
     outcomes = [
-        Outcome(case, measure_run(folder), kept=True) for case in cases if is_done(folder := place(out, case))
+        Outcome(case, measure_run(place(out, case)), kept=True) for case in cases if case.scene.hash in there
     ]
-    open_cases = [case for case in cases if not is_done(place(out, case))]
-    threads = max(1, len(os.sched_getaffinity(0)) // jobs)
+    threads = max(1, thread_count(0) // jobs)
     with _progress(console) as bar, _pool(jobs) as pool:
         work = {case.scene.hash: forecast(case.scene, threads).seconds for case in open_cases}
         task = bar.add_task(
@@ -92,11 +93,12 @@ def summary(outcomes: Sequence[Outcome], title: str) -> Table:
 
 def write_results(outcomes: Sequence[Outcome], path: Path) -> None:
     """One row a run: swept keys, groups, every measure (SI), version and commit."""
+    made_by = {"version": __version__, "commit": commit() or ""}
     rows = [
         outcome.case.swept
         | {"groups": " ".join(outcome.case.groups), "fault": outcome.fault, "scene": outcome.case.scene.hash}
         | dict(_flat(outcome.result or {}))
-        | {"version": __version__, "commit": commit() or ""}
+        | made_by
         for outcome in outcomes
     ]
     columns = dict.fromkeys(key for row in rows for key in row)
