@@ -11,7 +11,7 @@ from scipy import ndimage
 from .contours import contour_area, extrapolated_contour, polygon_area
 from .ellipse import Ellipse, fit_ellipse
 from .scene import Mirror
-from .surface import Surface, target_surface
+from .surface import Surface, target_field
 
 Array = NDArray[np.float64]
 SIGMA = 1 / math.sqrt(
@@ -40,9 +40,9 @@ class Crater:
 def measure_target(
     position: Array, volume: Array, spacing: float, *, mirrors: Sequence[Mirror] = (), level: float = 0.5
 ) -> Crater | None:
-    """The crater in the target's points, as for `target_surface`; None if there is none."""
-    surface = target_surface(position, volume, spacing, mirrors=mirrors, level=level)
-    return None if surface is None else measure_crater(surface)
+    """The crater in the target's points, as for `target_field`, at a level of the fraction; None if there is none."""
+    field = target_field(position, volume, spacing, mirrors=mirrors)
+    return None if field is None else measure_crater(field.surface(level))
 
 
 def measure_crater(surface: Surface) -> Crater | None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .scene import Mirror
-from .surface import filling
+from .surface import filling, largest_piece
 
 Array = NDArray[np.float64]
 SPEED_BINS, ANGLE_BINS = 16, 9
@@ -52,11 +52,8 @@ def attached(position: Array, volume: Array, spacing: float) -> NDArray[np.bool_
     width = np.full(3, 2 * spacing)
     lower = np.floor(position.min(axis=0) / width) * width - width
     cell = np.floor((position - lower) / width).astype(np.int64)
-    labels, count = ndimage.label(filling(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5)
-    if count == 0:
-        return np.zeros(len(position), dtype=bool)
-    largest = np.argmax(np.bincount(labels.ravel())[1:]) + 1
-    near = ndimage.binary_dilation(labels == largest, np.ones((3, 3, 3)))
+    piece = largest_piece(filling(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5)
+    near = ndimage.binary_dilation(piece, np.ones((3, 3, 3)))
     return np.asarray(near[tuple(cell.T)])
 
 

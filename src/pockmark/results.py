@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .crater import Crater, measure_target
+from .crater import Crater, measure_crater
 from .ejecta import copies, enhancement, find_ejecta, whole_momentum
 from .lining import lining
 from .scene import Mirror
+from .surface import Field, target_field
 from .uncertainty import LEVELS, uncertainties
 
 SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "viscous")
@@ -30,27 +31,31 @@ SHAPE = (
 )
 
 
-def crater_of(
+def field_of(
     snapshot: Mapping[str, NDArray[Any]],
     *,
     target_bodies: Sequence[int],
     spacing: float,
     mirrors: Sequence[Mirror],
-    level: float = 0.5,
-) -> Crater | None:
-    """The crater in a snapshot of all points; None if there is none, or the points are no longer anywhere."""
+) -> Field | None:
+    """The target near its crater in a snapshot of all points; None if there is none, or the points are no longer anywhere."""
     is_target = np.isin(snapshot["body"], target_bodies)
     position = snapshot["position"][is_target]
     if not is_target.any() or not np.isfinite(position).all():
         return None
-    return measure_target(position, snapshot["volume"][is_target], spacing, mirrors=mirrors, level=level)
+    return target_field(position, snapshot["volume"][is_target], spacing, mirrors=mirrors)
+
+
+def crater_of(field: Field | None) -> Crater | None:
+    """The crater in the field; None if there is none."""
+    return None if field is None else measure_crater(field.surface())
 
 
 def morphology_table(
     snapshot: Mapping[str, NDArray[Any]],
+    field: Field | None,
     crater: Crater | None,
     *,
-    target_bodies: Sequence[int],
     projectile_bodies: Sequence[int],
     projectile_mass: float,
     spacing: float,
@@ -58,15 +63,12 @@ def morphology_table(
 ) -> dict[str, Any]:
     """The crater's shape, lining and uncertainties, SI; None for what there is not. `projectile_mass` in kg at the start."""
     shape: dict[str, Any] = dict.fromkeys(SHAPE)
-    if crater is None:
+    if field is None or crater is None:
         return shape
     mass, thickness = lining(
         snapshot, crater, projectile_bodies=projectile_bodies, spacing=spacing, mirrors=mirrors
     )
-    low, high = (
-        crater_of(snapshot, target_bodies=target_bodies, spacing=spacing, mirrors=mirrors, level=level)
-        for level in LEVELS
-    )
+    low, high = (measure_crater(field.surface(level)) for level in LEVELS)
     shape |= {
         "bottom_x": crater.bottom[0],
         "rim_height": crater.rim_height,

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from . import __version__, results
 from .bodies import Sphere
-from .crater import Crater
 from .errors import PockmarkError
 from .lattice import count
 from .plots import HISTORY_COLUMNS, Cast, history_figure, slice_figure
@@ -19,6 +18,7 @@ from .scene import Scene
 from .simulation import Simulation, Task
 from .stop import heard_between_steps
 from .store import RunFolder, commit, finite, machine, now, told
+from .surface import Field
 from .tasks import History, ProgressBar, Snapshots
 
 # What the measures need of a manifest.
@@ -135,7 +135,8 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         "end_time": scene.end_time,
     }
     snapshot = folder.last_snapshot()
-    crater, mass = _crater(snapshot, scene), _projectile_mass(scene)
+    field = _field(snapshot, scene)
+    crater, mass = results.crater_of(field), _projectile_mass(scene)
     table = results.result_table(
         crater,
         float(snapshot["time"][0]),
@@ -146,8 +147,8 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     )
     table["crater"] |= results.morphology_table(
         snapshot,
+        field,
         crater,
-        target_bodies=scene.targets,
         projectile_bodies=scene.projectiles,
         projectile_mass=mass,
         spacing=_target_spacing(scene),
@@ -179,7 +180,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
             Cast([body.name for body in scene.body], scene.projectiles),
             plane=_slice_plane(scene),
             spacing=_target_spacing(scene),
-            crater=_crater(snapshot, scene),
+            crater=results.crater_of(_field(snapshot, scene)),
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
         ),
         "history.png": history_figure(folder.history(*HISTORY_COLUMNS)),
@@ -191,8 +192,8 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     return [target / name for name in figures]
 
 
-def _crater(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Crater | None:
-    return results.crater_of(
+def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:
+    return results.field_of(
         snapshot,
         target_bodies=scene.targets,
         spacing=_target_spacing(scene),

@@ -36,12 +36,27 @@ class Surface:
     spacing: float
 
 
-def target_surface(
-    position: Array, volume: Array, spacing: float, *, mirrors: Sequence[Mirror] = (), level: float = 0.5
-) -> Surface | None:
-    """Surface of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m, surface at z = 0.
+@dataclass(frozen=True)
+class Field:
+    """The target's volume fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m; point spacing m."""
 
-    Whole about `mirrors`. `level` is the fraction taken as the surface. None where nothing below z = 0 is open.
+    x: Array
+    y: Array
+    z: Array
+    fraction: Array
+    spacing: float
+
+    def surface(self, level: float = 0.5) -> Surface:
+        """With `level` as the fraction that is taken as the surface."""
+        return Surface(self.x, self.y, self.z, _outside(self.fraction - level + 0.5), self.spacing)
+
+
+def target_field(
+    position: Array, volume: Array, spacing: float, *, mirrors: Sequence[Mirror] = ()
+) -> Field | None:
+    """Of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m, surface at z = 0.
+
+    Whole about `mirrors`. None where nothing below z = 0 is open.
     """
     origin = np.zeros(3)
     for mirror in reversed(mirrors):
@@ -64,7 +79,7 @@ def target_surface(
     last = np.ceil((upper - origin) / (spacing / 2) - 1e-6).astype(np.int64)
     fraction = _volume_fraction((position - origin) / spacing, volume / spacing**3, first, last)
     x, y, z = (origin[a] + np.arange(first[a], last[a] + 1) * spacing / 2 for a in range(3))
-    return Surface(x, y, z, _outside(fraction - level + 0.5), spacing)
+    return Field(x, y, z, fraction, spacing)
 
 
 def with_images(position: Array, values: Array, mirror: Mirror) -> tuple[Array, Array]:
@@ -142,16 +157,22 @@ def _volume_fraction(
     return np.asarray(field[(slice(REACH, -REACH),) * 3])
 
 
+def largest_piece(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The largest connected piece of what is solid; nothing of nothing."""
+    labels, count = ndimage.label(solid)
+    if count == 0:
+        return np.zeros_like(solid)
+    return np.asarray(labels == np.argmax(np.bincount(labels.ravel())[1:]) + 1)
+
+
 def _outside(fraction: Array) -> Array:
     """The fraction with only the largest piece of solid, and only the voids that a probe reaches from the top.
 
     The probe is a cube two nodes (one point spacing) wide: narrower clefts between points, of which a stretched wall
     has many, are below what the points resolve. A last node lets it see into the corners that it leaves.
     """
-    labels, count = ndimage.label(fraction > 0.5)
-    if count > 1:
-        largest = np.argmax(np.bincount(labels.ravel())[1:]) + 1
-        fraction = np.where((labels > 0) & (labels != largest), 0.0, fraction)
+    solid = fraction > 0.5
+    fraction = np.where(solid & ~largest_piece(solid), 0.0, fraction)
     void, cube = fraction <= 0.5, np.ones((3, 3, 3))
     places, _ = ndimage.label(ndimage.binary_erosion(void, cube, border_value=1))
     reached = np.isin(places, np.setdiff1d(places[:, :, -1], 0))
