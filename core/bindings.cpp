@@ -7,6 +7,7 @@
 #include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
+#include <limits>
 #include <stdexcept>
 #include <variant>
 
@@ -290,8 +291,11 @@ void bind_solver(nb::module_& m, const char* name) {
       .def("initialize", [](S& s) { s.solver.initialize(); })
       .def(
           "advance",
-          [](S& s, std::int64_t max_steps, double end) { return s.solver.advance(max_steps, end); },
-          "max_steps"_a, "end_time"_a, nb::call_guard<nb::gil_scoped_release>())
+          [](S& s, std::int64_t max_steps, double end, double pause) {
+            return s.solver.advance(max_steps, end, pause);
+          },
+          "max_steps"_a, "end_time"_a, "pause"_a = std::numeric_limits<double>::infinity(),
+          nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("time", [](const S& s) { return s.solver.time(); })
       .def_prop_ro("dt", [](const S& s) { return s.solver.dt(); })
       .def_prop_ro("cycle", [](const S& s) { return s.solver.cycle(); })

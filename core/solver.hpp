@@ -118,10 +118,11 @@ class Solver {
     initial_ = now.kinetic + now.internal;
   }
 
-  std::int64_t advance(std::int64_t max_steps, double end_time) {
+  // Steps to end_time, landing on it, unless max_steps or the first step at or beyond `pause` comes before.
+  std::int64_t advance(std::int64_t max_steps, double end_time, double pause) {
     const std::int64_t start = cycle_;
     with_kernels([&]<class K>(K) {
-      while (cycle_ - start < max_steps && time_ < end_time) {
+      while (cycle_ - start < max_steps && time_ < end_time && time_ < pause) {
         if (live_ == 0) {
           time_ = end_time;  // everything left: nothing more can happen
           break;

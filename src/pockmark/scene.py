@@ -124,7 +124,7 @@ class Numerics(Model):
 
 
 class Output(Model):
-    """How often a run writes: time between snapshots and between rows of the history."""
+    """How often a run writes: time between snapshots, hit exactly, and between rows of the history, written with the first step at or beyond."""
 
     snapshots: Annotated[Time, Field(gt=0)] = 1e-7
     history: Annotated[Time, Field(gt=0)] = 2e-9

@@ -1,5 +1,6 @@
 """A run: the core's solver, stepped from event to event."""
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,9 +20,10 @@ class Task(Protocol):
     """Something that happens during a run, every `interval` seconds of simulated time."""
 
     interval: float
+    exact: bool  # whether the steps must land on its times, which costs about one a landing
 
     def act(self, simulation: "Simulation") -> None:
-        """Called at time 0, at each multiple of the interval, and at the end."""
+        """Called at time 0, at each multiple of the interval or the first step beyond, and at the end."""
 
 
 class Simulation:
@@ -128,11 +130,11 @@ class Simulation:
         """Largest rho/rho0 of any point so far."""
         return float(self._solver.max_compression())
 
-    def advance(self, end_time: float, max_steps: int = 2**62) -> int:
-        """Step until `end_time` (s), hit exactly, or for `max_steps`. Returns the steps done."""
+    def advance(self, end_time: float, max_steps: int = 2**62, pause: float = math.inf) -> int:
+        """Step until `end_time` (s), hit exactly, or `pause` (s), hit or passed, or for `max_steps`. Returns the steps done."""
         start = time.perf_counter()
         points = self.points
-        steps = int(self._solver.advance(max_steps=max_steps, end_time=end_time))
+        steps = int(self._solver.advance(max_steps=max_steps, end_time=end_time, pause=pause))
         self.stepping_seconds += time.perf_counter() - start
         self.point_steps += points * steps
         return steps
@@ -143,7 +145,7 @@ class Simulation:
         end_time: float | None = None,
         watch: Callable[["Simulation"], None] | None = None,
     ) -> None:
-        """Step to the end, calling each task at its times, which the steps hit exactly.
+        """Step to the end, calling each task at its times; those of `exact` tasks, and the end, are hit exactly.
 
         `watch` is called every second or so and changes nothing. KeyboardInterrupt comes through between steps.
         """
@@ -156,10 +158,12 @@ class Simulation:
                     counts[i] += 1
             if self.time >= end:
                 return
-            target = min([end, *(n * t.interval for n, t in zip(counts, tasks, strict=True))])
-            while self.time < target:
+            due = [(n * task.interval, task.exact) for n, task in zip(counts, tasks, strict=True)]
+            target = min([end, *(time for time, exact in due if exact)])
+            pause = min([end, *(time for time, exact in due if not exact)])
+            while self.time < min(target, pause):
                 # Few steps a call, so that Ctrl-C is heard within a second or so.
-                self.advance(target, max_steps=max(1, 2_000_000 // max(self.points, 1)))
+                self.advance(target, max_steps=max(1, 2_000_000 // max(self.points, 1)), pause=pause)
                 if watch:
                     watch(self)
 

@@ -33,7 +33,9 @@ LEDGER = (
 
 
 class History:
-    """A row of history.csv every `interval` seconds: ledger, depth, extremes, counters."""
+    """A row of history.csv every `interval` seconds, or with the step after: ledger, depth, extremes, counters."""
+
+    exact = False
 
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
@@ -55,7 +57,9 @@ class History:
 
 
 class Snapshots:
-    """A VTKHDF file every `interval` seconds."""
+    """A VTKHDF file every `interval` seconds, exactly."""
+
+    exact = True
 
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""

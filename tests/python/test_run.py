@@ -222,3 +222,28 @@ def test_the_progress_bar_changes_nothing(tmp_path):
         run_scene(scene, tmp_path / str(progress), threads=1, progress=progress)
     quiet, shown = (RunFolder.open(tmp_path / str(p)).path / "history.csv" for p in (False, True))
     assert quiet.read_bytes() == shown.read_bytes()
+
+
+def test_a_denser_history_moves_no_step(tmp_path):
+    rows = {}
+    for interval in ("1 ns", "7 ns"):
+        scene = Scene.load(
+            QUICK, [f"output.history={interval!r}", "end_time='20 ns'", "output.snapshots='20 ns'"]
+        )
+        folder, _ = run_scene(scene, tmp_path / interval, threads=1, progress=False)
+        history = folder.history()
+        # A row belongs to the last multiple of the interval (or the end) that its step reached.
+        due = np.append(np.arange(0, 19.99e-9, scene.output.history), 20e-9)
+        of = np.searchsorted(due, history["time"] * (1 + 1e-12), side="right") - 1
+        assert np.array_equal(of, range(len(due)))
+        rows[interval] = dict(zip(history["step"], history["error"], strict=True))
+    common = rows["1 ns"].keys() & rows["7 ns"].keys()
+    assert len(common) >= 3
+    assert all(rows["1 ns"][step] == rows["7 ns"][step] for step in common)
+
+
+def test_snapshots_are_exactly_on_time(tmp_path):
+    scene = Scene.load(QUICK, ["end_time='20 ns'", "output.snapshots='6 ns'"])
+    folder, _ = run_scene(scene, tmp_path / "run", threads=1, progress=False)
+    times = [float(Snapshot(path)["time"][0]) for path in folder.snapshots()]
+    assert times == [0.0, *(n * scene.output.snapshots for n in (1, 2, 3)), scene.end_time]
