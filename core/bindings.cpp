@@ -163,29 +163,37 @@ template <class T>
 nb::object get_field(const Solver<T>& solver, const std::string& name) {
   const auto& points = solver.points();
   const std::size_t n = solver.live_points();
-  const auto rows = [&]<class Number>(Number, int columns, auto&& value) {
-    std::vector<Number> out;
+  // `values(p)`: a row, as an array.
+  const auto rows = [&](auto&& values) {
+    using Row = decltype(values(std::size_t(0)));
+    std::vector<typename Row::value_type> out;
+    constexpr std::size_t columns = std::tuple_size_v<Row>;
     out.reserve(n * columns);
     solver.for_each_point([&](std::size_t p) {
-      for (int c = 0; c < columns; ++c) out.push_back(value(p, c));
+      const Row row = values(p);
+      out.insert(out.end(), row.begin(), row.end());
     });
     return to_array(std::move(out), n, columns);
   };
-  if (name == "body") return rows(std::uint8_t(), 1, [&](std::size_t p, int) { return points.body[p]; });
-  if (name == "id") return rows(std::uint32_t(), 1, [&](std::size_t p, int) { return points.id[p]; });
+  if (name == "body") return rows([&](std::size_t p) { return std::array{points.body[p]}; });
+  if (name == "id") return rows([&](std::size_t p) { return std::array{points.id[p]}; });
   const auto& info = field_named(name);
   if (info.field == Field::place)
-    return rows(0.0, 3, [&](std::size_t p, int a) { return solver.position(p)[a]; });
-  if (info.field == Field::deviator) {
-    return rows(0.0, 6, [&](std::size_t p, int c) {
-      const auto s = solver.settled_deviator(p);
-      const T all[6] = {s.xx, s.yy, s.zz, s.xy, s.yz, s.zx};
-      return double(all[c]);
+    return rows([&](std::size_t p) {
+      const auto x = solver.position(p);
+      return std::array{x.x, x.y, x.z};
     });
-  }
-  return rows(0.0, info.components, [&](std::size_t p, int c) {
+  if (info.field == Field::deviator)
+    return rows([&](std::size_t p) {
+      const auto s = solver.settled_deviator(p);
+      return std::array{double(s.xx), double(s.yy), double(s.zz), double(s.xy), double(s.yz), double(s.zx)};
+    });
+  const auto kept = [&](std::size_t p, int c) {
     return to_user(solver, info.field, p, double(points.at(info.field, c)[p]));
-  });
+  };
+  if (info.components == 3)
+    return rows([&](std::size_t p) { return std::array{kept(p, 0), kept(p, 1), kept(p, 2)}; });
+  return rows([&](std::size_t p) { return std::array{kept(p, 0)}; });
 }
 
 template <class T>

@@ -197,14 +197,17 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
     for name, count in (("NumberOfPoints", n), ("NumberOfCells", n), ("NumberOfConnectivityIds", n)):
         root.create_dataset(name, data=np.array([count], dtype=np.int64))
     root.create_dataset("Points", data=fields["position"])
-    root.create_dataset("Connectivity", data=np.arange(n, dtype=np.int64), compression=1)
-    root.create_dataset("Offsets", data=np.arange(n + 1, dtype=np.int64), compression=1)
-    root.create_dataset("Types", data=np.full(n, 1, dtype=np.uint8), compression=1)
+    root.create_dataset("Connectivity", data=np.arange(n, dtype=np.int64), compression=1, shuffle=True)
+    root.create_dataset("Offsets", data=np.arange(n + 1, dtype=np.int64), compression=1, shuffle=True)
+    root.create_dataset("Types", data=np.full(n, 1, dtype=np.uint8), compression=1, shuffle=True)
     data = root.create_group("PointData")
     for name in fields:
-        if name != "position":
-            data.create_dataset(name, data=fields[name])
-    data.create_dataset("effective_stress", data=effective_stress(fields["deviator"]))
+        if name == "position":
+            continue
+        values = fields[name]  # asked for once: the fields of a simulation are copies
+        data.create_dataset(name, data=values)
+        if name == "deviator":
+            data.create_dataset("effective_stress", data=effective_stress(values))
     extra = root.create_group("FieldData")
     extra.create_dataset("time", data=np.array([time_s]))
     extra.create_dataset("step", data=np.array([step], dtype=np.int64))
