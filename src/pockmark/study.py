@@ -19,7 +19,7 @@ from .forecast import forecast
 from .run import measure_run, run_scene
 from .scene import Scene
 from .simulation import thread_count
-from .store import RunFolder, commit, told
+from .store import RunFolder, told
 
 
 @dataclass
@@ -91,14 +91,13 @@ def summary(outcomes: Sequence[Outcome], title: str) -> Table:
     return table
 
 
-def write_results(outcomes: Sequence[Outcome], path: Path) -> None:
-    """One row a run: swept keys, groups, every measure (SI), version and commit."""
-    made_by = {"version": __version__, "commit": commit() or ""}
+def write_results(outcomes: Sequence[Outcome], out: Path, path: Path) -> None:
+    """One row a run of those in `out`: swept keys, groups, every measure (SI), and what version made it."""
     rows = [
         outcome.case.swept
         | {"groups": " ".join(outcome.case.groups), "fault": outcome.fault, "scene": outcome.case.scene.hash}
         | dict(_flat(outcome.result or {}))
-        | made_by
+        | _made_by(place(out, outcome.case))
         for outcome in outcomes
     ]
     columns = dict.fromkeys(key for row in rows for key in row)
@@ -108,6 +107,15 @@ def write_results(outcomes: Sequence[Outcome], path: Path) -> None:
             writer = csv.DictWriter(file, list(columns), restval="")
             writer.writeheader()
             writer.writerows(rows)
+
+
+def _made_by(folder: Path) -> dict[str, str]:
+    """Of a run: it may be older than what measures it. Empty for one that never began."""
+    try:
+        manifest = RunFolder(folder).manifest()
+    except PockmarkError:
+        manifest = {}
+    return {"version": manifest.get("pockmark") or "", "commit": manifest.get("commit") or ""}
 
 
 def _run(scene: dict[str, Any], folder: str, threads: int) -> str:

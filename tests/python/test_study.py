@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from pockmark import PockmarkError
+from pockmark import PockmarkError, __version__
 from pockmark.campaign import cases, load
 from pockmark.study import is_done, place, run_study, summary, write_results
 
@@ -64,10 +64,11 @@ def test_what_is_done_is_kept_and_what_fails_stops_nothing(folder, tmp_path):
     assert all(is_done(place(out, case)) for case in found)
     assert not any(o.fault for o in again)
 
-    write_results(again, tmp_path / "results.csv")
+    write_results(again, out, tmp_path / "results.csv")
     rows = list(csv.DictReader((tmp_path / "results.csv").open()))
     assert [row["impact.speed"] for row in rows] == ["1 km/s", "2 km/s", "2 km/s"]
     assert float(rows[1]["energy.residual_internal"]) == again[1].result["energy"]["residual_internal"]
+    assert {row["version"] for row in rows} == {__version__}
     assert summary(again, "t").row_count == 3
 
 
