@@ -158,7 +158,7 @@ def study(
         raise typer.Exit(130) from None
     console.print(summary(outcomes, campaign.title or name))
     table = (output if quick or only else folder) / f"results{'-quick' if quick else ''}.csv"
-    write_results(outcomes, out, table)
+    write_results(outcomes, output, table)
     console.print(f"wrote {table}")
     if failed := sum(bool(o.fault) for o in outcomes):
         console.print(f"[red]{failed} of {len(outcomes)} runs failed[/red]")

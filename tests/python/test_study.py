@@ -3,6 +3,8 @@
 import csv
 import io
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -100,3 +102,24 @@ def test_the_committed_campaigns_load():
             found = cases(load(path.parent), path.parent, quick=quick, only=[])
             print(f"{path.parent.name}: {len(found)} runs{' in the quick form' if quick else ''}")
             assert found
+
+
+def test_the_command_runs_a_campaign_and_says_where_its_table_is(folder, tmp_path):
+    words = [
+        sys.executable,
+        "-m",
+        "pockmark",
+        "study",
+        folder,
+        "--quick",
+        "--only",
+        "speeds",
+        "-o",
+        tmp_path / "out",
+    ]
+    for there in (0, 2):
+        done = subprocess.run([*map(str, words)], capture_output=True, text=True, timeout=120, check=False)
+        print(done.stdout, done.stderr)
+        assert done.returncode == 0
+        assert done.stdout.count("was there") == there
+        assert len(list(csv.DictReader((tmp_path / "out" / "results-quick.csv").open()))) == 2
