@@ -11,22 +11,23 @@ namespace pockmark {
 enum class Face { free, symmetry, fixed, transmitting };
 using Faces = std::array<Face, 6>;  // x_lower, x_upper, y_lower, y_upper, z_lower, z_upper
 
-// Calls f(node on the face, node one inside, node one outside) over a face with its padding.
+// Calls f(node on the face, node one inside, node one outside) over a face with its padding, in each field.
 template <class T, class F>
 void for_each_face_node(const GridGeometry<T>& grid, int face, F&& f) {
   const int axis = face / 2, b = (axis + 1) % 3, c = (axis + 2) % 3;
   const bool upper = face % 2 == 1;
   const int plane = upper ? grid.pad + grid.cells[axis] : grid.pad, inward = upper ? -1 : 1;
-  for (int ib = 0; ib < grid.nodes(b); ++ib)
-    for (int ic = 0; ic < grid.nodes(c); ++ic) {
-      int ijk[3];
-      ijk[b] = ib, ijk[c] = ic;
-      const auto node = [&](int offset) {
-        ijk[axis] = plane + offset;
-        return grid.index(ijk[0], ijk[1], ijk[2]);
-      };
-      f(node(0), node(inward), node(-inward));
-    }
+  for (std::size_t field = 0; field < grid.field_count; ++field)
+    for (int ib = 0; ib < grid.nodes(b); ++ib)
+      for (int ic = 0; ic < grid.nodes(c); ++ic) {
+        int ijk[3];
+        ijk[b] = ib, ijk[c] = ic;
+        const auto node = [&](int offset) {
+          ijk[axis] = plane + offset;
+          return field * grid.node_count() + grid.index(ijk[0], ijk[1], ijk[2]);
+        };
+        f(node(0), node(inward), node(-inward));
+      }
 }
 
 // A symmetry plane is a mirror, a fixed face one that also turns the tangential velocity round (so that it
@@ -79,6 +80,7 @@ template <class Shape, class T>
 void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, const Run& run,
                  const std::vector<Damper<T>>& dampers) {
   const auto& geometry = grid.geometry;
+  Quad<T>* nodes = grid.damping.data() + geometry.field_of(run.node);
   bool near = false;
   for (int a = 0; a < 3; ++a)
     near = near || run.base[a] <= geometry.pad || run.base[a] >= geometry.pad + geometry.cells[a] - 2;
@@ -104,8 +106,8 @@ void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, 
       Quad<T> per_direction;
       for (int a = 0; a < 3; ++a) per_direction.v[a] = a == axis ? damper.normal : damper.tangential;
       Patch<Shape, T>::for_each([&](int i, int j, int k) {
-        add_scaled(grid.damping[geometry.index(base[0] + i, base[1] + j, base[2] + k)],
-                   n.weight(i, j, k) * area, per_direction);
+        add_scaled(nodes[geometry.index(base[0] + i, base[1] + j, base[2] + k)], n.weight(i, j, k) * area,
+                   per_direction);
       });
     }
   }

@@ -133,7 +133,9 @@ struct Particles {
   }
 };
 
-// A uniform grid with one layer of nodes outside each face, for stencils of three nodes an axis.
+// A uniform grid with one layer of nodes outside each face, for stencils of three nodes an axis. With contact
+// it carries a velocity field a body: the nodes of the second field follow those of the first in every array,
+// and a point's cell says which field is its own, so that no kernel needs to know.
 template <class T>
 struct GridGeometry {
   static constexpr int pad = 1;
@@ -142,6 +144,7 @@ struct GridGeometry {
   T per_metre = 1;  // 1/cell
   std::array<int, 3> cells{};
   double per_plane = 1, per_row = 1;  // 1/nodes
+  std::size_t field_count = 1;
 
   GridGeometry() = default;
   GridGeometry(const Vec3<T>& lower_, T cell_, const std::array<int, 3>& cells_)
@@ -150,12 +153,18 @@ struct GridGeometry {
   }
 
   PM_HD int nodes(int axis) const { return cells[axis] + 1 + 2 * pad; }
-  std::size_t node_count() const { return std::size_t(nodes(0)) * nodes(1) * nodes(2); }
+  PM_HD std::size_t node_count() const { return std::size_t(nodes(0)) * nodes(1) * nodes(2); }  // of a field
   PM_HD std::size_t index(int i, int j, int k) const {
     return (std::size_t(i) * nodes(1) + j) * nodes(2) + k;
   }
+  // The first node of the field that a node belongs to.
+  PM_HD std::size_t field_of(std::size_t node) const {
+    const std::size_t second = node_count();
+    return field_count > 1 && node >= second ? second : 0;
+  }
   // The inverse of index. Products are quicker than divisions; the half keeps them off whole numbers.
   PM_HD void split(std::size_t node, int (&ijk)[3]) const {
+    node -= field_of(node);
     ijk[0] = int((double(node) + 0.5) * per_plane);
     const std::size_t in_plane = node - ijk[0] * index(1, 0, 0);
     ijk[1] = int((double(in_plane) + 0.5) * per_row);
@@ -174,7 +183,8 @@ struct Grid {
   T mass(std::size_t node) const { return before[node].v[3]; }
   void allocate(const GridGeometry<T>& g) {
     geometry = g;
-    for (auto* field : {&before, &after, &damping, &remapped}) field->assign(g.node_count(), {});
+    for (auto* field : {&before, &after, &damping, &remapped})
+      field->assign(g.field_count * g.node_count(), {});
   }
 };
 

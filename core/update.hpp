@@ -188,7 +188,8 @@ PM_NOINLINE void relocate(Particles<T>& points, const GridGeometry<T>& grid, std
   }
   const int face = face_crossed(grid, base, f);
   if (face >= 0) relocated.exits.push_back({p, face});
-  const std::uint32_t cell = face >= 0 ? gone : std::uint32_t(grid.index(base[0], base[1], base[2]));
+  const std::size_t node = grid.field_of(points.cell[p]) + grid.index(base[0], base[1], base[2]);
+  const std::uint32_t cell = face >= 0 ? gone : std::uint32_t(node);
   relocated.changed = relocated.changed || cell != points.cell[p];
   points.cell[p] = cell;
   points.set_vector(Field::place, p, f);

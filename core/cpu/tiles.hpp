@@ -23,13 +23,14 @@ class Tiles {
     nodes_ = {grid.nodes(0), grid.nodes(1), grid.nodes(2)};
     along_ = (nodes_[0] + planes - 1) / planes, across_ = (nodes_[1] + rows - 1) / rows;
     tiles_.resize(along_ * across_);
-    begin_.assign(nodes_[0] * across_ + 1, points.size());
-    for (int i = 0; i < nodes_[0]; ++i)
-      for (int t = 0; t < across_; ++t) {
-        const std::uint64_t first_node = grid.index(i, t * rows, 0);
-        begin_[i * across_ + t] =
-            std::lower_bound(points.cell.begin(), points.cell.end(), first_node) - points.cell.begin();
-      }
+    begin_.assign(grid.field_count * nodes_[0] * across_ + 1, points.size());
+    for (std::size_t field = 0; field < grid.field_count; ++field)
+      for (int i = 0; i < nodes_[0]; ++i)
+        for (int t = 0; t < across_; ++t) {
+          const std::uint64_t first_node = field * grid.node_count() + grid.index(i, t * rows, 0);
+          begin_[stretch(field, i, t)] =
+              std::lower_bound(points.cell.begin(), points.cell.end(), first_node) - points.cell.begin();
+        }
   }
   int count() const { return int(tiles_.size()); }
 
@@ -128,10 +129,12 @@ class Tiles {
       Span span = tiles_[t].active;
       if (stale) span.cover(tiles_[t].stale);
       if (span.begin >= span.end) continue;  // empty
-      const int plane = t / across_ * planes, row = t % across_ * rows;
-      for (int i = plane; i < std::min(plane + planes, nodes_[0]); ++i)
-        for (int j = row; j < std::min(row + rows, nodes_[1]); ++j)
-          f(t, grid.index(i, j, span.begin), grid.index(i, j, span.end));
+      for (std::size_t field = 0; field < grid.field_count; ++field) {
+        const std::size_t first = field * grid.node_count();
+        for_each_row(t, [&](int i, int j) {
+          f(t, first + grid.index(i, j, span.begin), first + grid.index(i, j, span.end));
+        });
+      }
     }
   }
 
@@ -149,6 +152,13 @@ class Tiles {
     bool rests = false, sleeps = false, idles = false;  // idles: it and its neighbours sleep
   };
 
+  // f(plane, row) for each of a tile.
+  template <class F>
+  void for_each_row(int t, F&& f) const {
+    const int plane = t / across_ * planes, row = t % across_ * rows;
+    for (int i = plane; i < std::min(plane + planes, nodes_[0]); ++i)
+      for (int j = row; j < std::min(row + rows, nodes_[1]); ++j) f(i, j);
+  }
   // f(tile) for the tile and those around it.
   template <class F>
   void for_each_neighbour(int t, F&& f) const {
@@ -161,14 +171,14 @@ class Tiles {
   void split_tile(const Particles<T>& points, const GridGeometry<T>& grid, int support, int t) {
     Tile& tile = tiles_[t];
     tile.blocks.clear(), tile.runs.clear();
-    // The points of a tile are consecutive plane by plane.
-    const std::size_t last = begin_.size() - 1;
-    for (int i = 0; i < planes; ++i) {
-      const std::size_t at = std::size_t(t / across_ * planes + i) * across_ + t % across_;
-      if (at >= last) break;
-      for (std::size_t p = begin_[at]; p < begin_[at + 1];)
-        p = add_block(points, grid, tile, p, begin_[at + 1]);
-    }
+    // The points of a tile are consecutive plane by plane, field by field.
+    const int first_plane = t / across_ * planes, end_plane = std::min(first_plane + planes, nodes_[0]);
+    for (std::size_t field = 0; field < grid.field_count; ++field)
+      for (int i = first_plane; i < end_plane; ++i) {
+        const std::size_t at = stretch(field, i, t % across_);
+        for (std::size_t p = begin_[at]; p < begin_[at + 1];)
+          p = add_block(points, grid, tile, p, begin_[at + 1]);
+      }
     const Run* first = tile.runs.data();
     for (Block& block : tile.blocks) block.runs = first, first += block.run_count;
     tile.touched = {};
@@ -202,10 +212,15 @@ class Tiles {
     return block.end;
   }
 
+  // Where begin_ has the points of a field, a plane and a tile along y.
+  std::size_t stretch(std::size_t field, int plane, int t) const {
+    return (field * nodes_[0] + plane) * across_ + t;
+  }
+
   int along_ = 1, across_ = 1;
   std::array<int, 3> nodes_{};
   std::vector<Tile> tiles_;
-  std::vector<std::size_t> begin_;  // of each plane and tile along y
+  std::vector<std::size_t> begin_;  // see stretch
 };
 
 }  // namespace pockmark::cpu
