@@ -225,6 +225,7 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
     const std::size_t p = old + i;
     if (body.data()[i] >= materials.size())
       throw std::invalid_argument("add_points: a body without a material");
+    points.body[p] = body.data()[i];
     const double* x = position.data() + 3 * i;
     solver.place(p, {x[0], x[1], x[2]});
     for (int a = 0; a < 3; ++a) points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
@@ -233,7 +234,6 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
     points.at(Field::mass)[p] = T(mass.data()[i]);
     points.at(Field::dilation)[p] = T(volume.data()[i] * density / mass.data()[i] - 1);
     points.at(Field::temperature)[p] = T(materials[body.data()[i]].t_room);
-    points.body[p] = body.data()[i];
     points.id[p] = std::uint32_t(p);
   }
 }
@@ -248,7 +248,7 @@ nb::dict get_ledger(const Solver<T>& solver) {
   d["kinetic"] = l.kinetic, d["internal"] = l.internal, d["absorbed"] = l.absorbed,
   d["left_kinetic"] = l.left_kinetic, d["left_internal"] = l.left_internal;
   d["left_energy"] = l.left_kinetic + l.left_internal;
-  d["pic"] = l.pic, d["viscous"] = l.viscous, d["plastic"] = l.plastic;
+  d["pic"] = l.pic, d["contact"] = l.contact, d["viscous"] = l.viscous, d["plastic"] = l.plastic;
   d["initial"] = l.initial, d["error"] = l.error();
   d["momentum_x"] = momentum.x, d["momentum_y"] = momentum.y, d["momentum_z"] = momentum.z;
   d["mass"] = l.mass, d["left_mass"] = departed.mass;
@@ -287,6 +287,14 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(nb::init<std::array<double, 3>, double, std::array<int, 3>, const std::vector<Face>&,
                     std::vector<MaterialSpec>, const Options&, int>(),
            "lower"_a, "cell"_a, "cells"_a, "faces"_a, "materials"_a, "options"_a, "threads"_a)
+      .def(
+          "set_contact",
+          [](S& s, const std::vector<std::uint8_t>& in_second, double friction) {
+            if (s.solver.points().size() > 0)
+              throw std::invalid_argument("set_contact: comes before the points");
+            s.solver.set_contact(in_second, friction);
+          },
+          "in_second"_a, "friction"_a)
       .def(
           "reserve", [](S& s, std::size_t points) { s.solver.points().reserve(points); }, "points"_a)
       .def(
@@ -349,7 +357,7 @@ void bind_solver(nb::module_& m, const char* name) {
         nb::dict d;
         // Fields, body, id, cell; the sorter's scratch and permutation; runs.
         d["points"] = n * (component_count * sizeof(T) + 9 + sizeof(T) + 9) + s.solver.run_bytes();
-        d["grid"] = nodes * (4 * sizeof(Quad<T>) + 4);
+        d["grid"] = nodes * (4 * sizeof(Quad<T>) + 4) + s.solver.contact_bytes();
         return d;
       });
 }

@@ -2,10 +2,12 @@
 #pragma once
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "boundary.hpp"
+#include "cpu/contact.hpp"
 #include "cpu/scatter.hpp"
 #include "cpu/sort.hpp"
 #include "cpu/tiles.hpp"
@@ -35,12 +37,13 @@ struct Ledger {
   double absorbed = 0;                         // by transmitting faces
   double left_kinetic = 0, left_internal = 0;  // carried out by points that left
   double pic = 0;                              // taken from the points' velocities by the PIC share
+  double contact = 0;                          // by impact and friction where two bodies touch
   double viscous = 0, plastic = 0;             // parts of the internal energy's history, for information
   double initial = 0;
   double mass = 0;  // of the points in the grid (kg), and their momentum (kg m/s)
   Vec3<double> momentum{};
   double error() const {
-    return kinetic + internal + absorbed + left_kinetic + left_internal + pic - initial;
+    return kinetic + internal + absorbed + left_kinetic + left_internal + pic + contact - initial;
   }
 };
 
@@ -76,7 +79,21 @@ class Solver {
   double dt() const { return dt_; }
   std::int64_t cycle() const { return cycle_; }
 
-  // Puts a point at x (m). Called once for each point, before initialize().
+  // Gives the bodies for which `in_second` a velocity field of their own, in contact with the others. Before
+  // any point is placed.
+  void set_contact(std::vector<std::uint8_t> in_second, double friction) {
+    if (in_second.size() != materials_.size())
+      throw std::invalid_argument("set_contact: a number a body is needed");
+    auto geometry = grid_.geometry;
+    geometry.field_count = 2;
+    if (2 * geometry.node_count() >= UINT32_MAX)
+      throw std::invalid_argument("set_contact: more than 4 billion nodes");
+    grid_.allocate(geometry);
+    in_second_ = std::move(in_second);
+    contact_.emplace(geometry, faces_, T(friction));
+  }
+
+  // Puts a point, whose body is known, at x (m). Called once for each point, before initialize().
   void place(std::size_t p, const Vec3<double>& x) {
     const auto& g = grid_.geometry;
     const double offset =
@@ -91,7 +108,8 @@ class Solver {
     }
     points_.set_vector(Field::place, p, f);
     const int face = face_crossed(g, base, f);
-    points_.cell[p] = face < 0 ? std::uint32_t(g.index(base[0], base[1], base[2])) : gone;
+    const std::size_t field = contact_ && in_second_[points_.body[p]] ? g.node_count() : 0;
+    points_.cell[p] = face < 0 ? std::uint32_t(field + g.index(base[0], base[1], base[2])) : gone;
     if (face >= 0) outside_.push_back({p, face});
   }
   Vec3<double> position(std::size_t p) const {
@@ -136,7 +154,7 @@ class Solver {
 
   Ledger ledger() const {
     Ledger l = energies();
-    l.absorbed = absorbed_, l.pic = pic_energy_;
+    l.absorbed = absorbed_, l.pic = pic_energy_, l.contact = contact_energy_;
     l.left_kinetic = departed_.kinetic, l.left_internal = departed_.internal;
     l.viscous = audit_.viscous_work, l.plastic = audit_.plastic_work;
     l.initial = initial_;
@@ -186,6 +204,7 @@ class Solver {
   // To be called when points were changed from outside.
   void wake() { tiles_.wake(); }
   std::int64_t sorts() const { return sorts_; }  // how often points were put in the order of the cells
+  std::size_t contact_bytes() const { return contact_ ? contact_->bytes() : 0; }
   std::size_t run_bytes() const { return tiles_.run_count() * sizeof(Run); }
   std::size_t sleeping_points() const {
     std::size_t sum = 0;
@@ -227,7 +246,8 @@ class Solver {
     const bool first = scheme == Scheme::usf || scheme == Scheme::usavg;
     timers_.time("stress", [&] { stress_and_forces<K>(first ? &grid_.before : nullptr, true); });  // (3, 4)
     timers_.time("momentum", [&] { integrate_momentum(); });                                       // (5)
-    timers_.time("g2p", [&] { map_to_points<K>(scheme == Scheme::usf); });                         // (6)
+    if (contact_) timers_.time("contact", [&] { collide<K>(); });
+    timers_.time("g2p", [&] { map_to_points<K>(scheme == Scheme::usf); });  // (6)
     timers_.time("absorbed", [&] { account_for_absorbed(remaps() ? grid_.remapped : grid_.after); });
     if (!first)
       timers_.time("stress", [&] { stress_and_forces<K>(remaps() ? &grid_.remapped : &grid_.after, false); });
@@ -362,11 +382,21 @@ class Solver {
     constrain(grid_.geometry, faces_, grid_.after);
   }
 
+  template <class K>
+  void collide() {
+    contact_->template act<typename K::Shape, typename K::V>(points_, grid_, tiles_, threads_,
+                                                             [&](std::size_t p) { return T(volume(p)); });
+    constrain(grid_.geometry, faces_, grid_.after);
+  }
+
   void account_for_absorbed(const Array<Quad<T>>& final) {
-    for (const std::size_t node : damped_)
-      if (grid_.mass(node) > T(0))
-        absorbed_ += double(absorbed_energy(grid_.before[node].vector(), grid_.after[node].vector(),
-                                            final[node].vector(), grid_.damping[node].vector(), T(dt_)));
+    for (std::size_t i = 0; i < damped_.size(); ++i) {
+      const std::size_t node = damped_[i];
+      if (!(grid_.mass(node) > T(0))) continue;
+      absorbed_ += double(absorbed_energy(grid_.before[node].vector(), damped_after_[i].vector(),
+                                          final[node].vector(), grid_.damping[node].vector(), T(dt_)));
+    }
+    if (contact_) contact_energy_ += contact_->taken(grid_, final);
   }
 
   // Velocities; positions too where nothing between the two needs the old ones: one pass does the work of
@@ -443,7 +473,7 @@ class Solver {
 
   template <class K>
   void sort() {
-    sorter_(points_, grid_.geometry.node_count(), threads_);
+    sorter_(points_, grid_.before.size(), threads_);
     tiles_.locate(points_, grid_.geometry);
     split<K>([](int) { return true; });
     sorted_runs_ = std::int64_t(tiles_.run_count()), disorder_ = 0;
@@ -466,6 +496,9 @@ class Solver {
     --live_;
   }
 
+  double volume(std::size_t p) const {
+    return (1 + double(points_.at(Field::dilation)[p])) * reference_volume(p);
+  }
   double internal_energy(std::size_t p) const {
     return double(points_.at(Field::energy)[p]) * reference_volume(p);
   }
@@ -500,12 +533,14 @@ class Solver {
   Grid<T> grid_;
   cpu::Tiles tiles_;
   cpu::Sorter<T> sorter_;
+  std::optional<cpu::Contact<T>> contact_;
+  std::vector<std::uint8_t> in_second_;  // of each body, with contact
   Timers timers_;
   std::vector<Audit> audits_;         // of each tile in the last stress update
   std::vector<Relocated> relocated_;  // of each tile in the last move
   std::vector<Exit> outside_;         // points that were put outside the grid
   std::vector<std::size_t> damped_;   // nodes of transmitting faces
-  Array<Quad<T>> damped_after_;
+  Array<Quad<T>> damped_after_;       // their velocities before contact
   std::size_t live_ = 0;
   std::int64_t sorted_runs_ = 0, disorder_ = 0;
   bool refresh_damping_ = true;
@@ -514,7 +549,7 @@ class Solver {
   Departed departed_;
   double time_ = 0, next_time_ = 0, dt_ = 0, first_dt_ = 0;
   std::int64_t cycle_ = 0, sorts_ = 0;
-  double initial_ = 0, absorbed_ = 0, pic_energy_ = 0;
+  double initial_ = 0, absorbed_ = 0, pic_energy_ = 0, contact_energy_ = 0;
 };
 
 }  // namespace pockmark

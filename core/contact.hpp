@@ -1,0 +1,62 @@
+// Contact of two bodies at a node, with Coulomb friction: Huang, Zhang, Ma and Huang (2011), Int. J. Numer.
+// Meth. Engng 85, 498-517 (docs/theory.md, Eqs. 18 to 20).
+#pragma once
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "transfer.hpp"
+
+namespace pockmark {
+
+// A node that two velocity fields share.
+template <class T>
+struct Meeting {
+  std::size_t node;  // of the first field
+  Vec3<T> normal{};  // out of the first body (18)
+  // How far (m) each body reaches beyond the node: the first along the normal, the second against it.
+  T reach[2] = {std::numeric_limits<T>::lowest() / 4, std::numeric_limits<T>::lowest() / 4};
+  Vec3<T> impulse{};  // that the first body gives to the second (kg m/s)
+
+  PM_HD bool touches() const { return reach[0] + reach[1] >= T(0); }
+};
+
+template <class T>
+PM_HD Vec3<T> unit(const Vec3<T>& a) {
+  const T length = root(dot(a, a));
+  return length > T(0) ? (T(1) / length) * a : Vec3<T>{};
+}
+
+// Ends the bodies' approach and, with no more than `friction` times that impulse, their sliding (20).
+template <class T>
+PM_HD Vec3<T> contact_impulse(const Vec3<T>& first, const Vec3<T>& second, T first_mass, T second_mass,
+                              const Vec3<T>& normal, T friction) {
+  const Vec3<T> relative = first - second;
+  const T approach = dot(relative, normal);
+  if (!(approach > T(0))) return {};
+  const Vec3<T> sliding = relative - approach * normal;
+  const T speed = root(dot(sliding, sliding)), most = friction * approach;
+  const T reduced_mass = first_mass * (second_mass / (first_mass + second_mass));
+  return reduced_mass * (approach * normal + (speed > most ? most / speed : T(1)) * sliding);
+}
+
+// Extends the reach of a run's body at the nodes where it meets another (19). `at(node)` is the meeting at a
+// node of the first field or null; `volume(p)` of a point in m^3.
+template <class Shape, class T, class At, class Volume>
+void add_reach(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run, At&& at,
+               Volume&& volume) {
+  const std::size_t field = grid.field_of(run.node);
+  const int side = field == 0 ? 0 : 1;
+  const T along = side == 0 ? grid.cell : -grid.cell;
+  Patch<Shape, T>::for_each([&](int i, int j, int k) {
+    Meeting<T>* meeting = at(run.node - field + grid.index(i, j, k));
+    if (!meeting) return;
+    for (std::size_t p = run.begin; p < run.end; ++p) {
+      const Vec3<T> beyond = points.vector(Field::place, p) - Vec3<T>{T(i), T(j), T(k)};
+      const T reach = along * dot(beyond, meeting->normal) + T(0.5) * std::cbrt(volume(p));
+      meeting->reach[side] = max(meeting->reach[side], reach);
+    }
+  });
+}
+
+}  // namespace pockmark

@@ -1,0 +1,119 @@
+// How the CPU finds the nodes where two bodies meet, and what happens there.
+#pragma once
+#include <vector>
+
+#include "../boundary.hpp"
+#include "../contact.hpp"
+#include "scatter.hpp"
+#include "tiles.hpp"
+
+namespace pockmark::cpu {
+
+template <class T>
+class Contact {
+ public:
+  Contact(const GridGeometry<T>& grid, const Faces& faces, T friction)
+      : second_(grid.node_count()), friction_(friction), mirrors_(faces), slot_(second_, none) {
+    // A body is the same behind a fixed face as behind a plane of symmetry.
+    for (Face& face : mirrors_)
+      if (face == Face::fixed) face = Face::symmetry;
+  }
+
+  // Changes the velocities after the forces acted.
+  template <class Shape, class V, class Volume>
+  void act(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, Volume&& volume) {
+    find(grid, tiles, threads);
+    if (meetings_.empty()) return;
+    orient<Shape, V>(points, grid, tiles, threads, volume);
+    tiles.scatter(threads, [&](int, const Block& block) {
+      for_each_run(block, [&](const Run& run) {
+        add_reach<Shape>(points, grid.geometry, run, [&](std::size_t node) { return at(node); }, volume);
+      });
+    });
+    for (Meeting<T>& meeting : meetings_)
+      if (meeting.touches()) exchange(grid, meeting);
+  }
+
+  // Kinetic energy (J) that the impulses of the last step took from the points, whose velocity is now `final`
+  // at the nodes (docs/theory.md, Eq. 6).
+  double taken(const Grid<T>& grid, const Array<Quad<T>>& final) const {
+    double sum = 0;
+    for (const Meeting<T>& m : meetings_) {
+      const auto twice = [&](std::size_t node) { return grid.before[node].vector() + final[node].vector(); };
+      sum += 0.5 * double(dot(m.impulse, twice(m.node) - twice(second_ + m.node)));
+    }
+    return sum;
+  }
+  std::size_t bytes() const { return slot_.size() * sizeof(slot_[0]); }
+
+ private:
+  static constexpr std::uint32_t none = UINT32_MAX;
+
+  Meeting<T>* at(std::size_t node) { return slot_[node] == none ? nullptr : &meetings_[slot_[node]]; }
+
+  void find(const Grid<T>& grid, const Tiles& tiles, int threads) {
+    for (const Meeting<T>& m : meetings_) slot_[m.node] = none;
+    meetings_.clear();
+    found_.assign(tiles.count(), {});
+    tiles.for_each_line(grid.geometry, threads, false, [&](int tile, std::size_t begin, std::size_t end) {
+      if (begin >= second_) return;
+      for (std::size_t node = begin; node < end; ++node)
+        if (grid.mass(node) > T(0) && grid.mass(second_ + node) > T(0)) found_[tile].push_back(node);
+    });
+    for (const auto& nodes : found_)
+      for (const std::size_t node : nodes) {
+        slot_[node] = std::uint32_t(meetings_.size());
+        meetings_.push_back({.node = node});
+      }
+  }
+
+  // Whether a block of the first field touches a node where it meets the second.
+  template <class Shape>
+  bool meets(const GridGeometry<T>& grid, const Block& block) const {
+    bool any = false;
+    for_each_run(block, [&](const Run& run) {
+      Patch<Shape, T>::for_each(
+          [&](int i, int j, int k) { any = any || slot_[run.node + grid.index(i, j, k)] != none; });
+    });
+    return any;
+  }
+
+  // The normal is the first body's, the target's (18): an edge of the second would tilt a common one, and
+  // plough. The sum of V grad N is what a pressure of one would exert; it is taken where the velocities will
+  // be mapped back later in the step.
+  template <class Shape, class V, class Volume>
+  void orient(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, Volume&& volume) {
+    auto& outward = grid.remapped;
+    tiles.scatter(threads, [&](int, const Block& block) {
+      if (block.runs[0].node >= second_ || !meets<Shape>(grid.geometry, block)) return;
+      Columns<T, 6> push{};
+      for (std::size_t p = block.begin; p < block.end; ++p)
+        for (int c = 0; c < 3; ++c) push.store(c, p - block.begin, volume(p));
+      scatter_force<Shape, V>(points, grid.geometry, block, push, outward);
+    });
+    fold(grid.geometry, mirrors_, outward, Mirrored::vector);
+    constrain(grid.geometry, mirrors_, outward);
+    for (Meeting<T>& m : meetings_) m.normal = unit(outward[m.node].vector());
+    tiles.for_each_line(grid.geometry, threads, false, [&](int, std::size_t begin, std::size_t end) {
+      std::fill(outward.begin() + begin, outward.begin() + end, Quad<T>{});
+    });
+  }
+
+  void exchange(Grid<T>& grid, Meeting<T>& m) const {
+    Quad<T>&first = grid.after[m.node], &second = grid.after[second_ + m.node];
+    const T first_mass = grid.mass(m.node), second_mass = grid.mass(second_ + m.node);
+    m.impulse =
+        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, friction_);
+    first.set_vector(first.vector() - (T(1) / first_mass) * m.impulse);
+    second.set_vector(second.vector() + (T(1) / second_mass) * m.impulse);
+  }
+
+  std::size_t second_;  // first node of the second field
+  T friction_;
+  Faces mirrors_;
+  std::vector<Meeting<T>> meetings_;
+  std::vector<std::uint32_t> slot_;              // of each node, where meetings_ has it
+  std::vector<std::vector<std::size_t>> found_;  // of each tile
+};
+
+}  // namespace pockmark::cpu
