@@ -47,6 +47,11 @@ class Grid(Model):
         return math.prod(self.cells)
 
     @property
+    def node_count(self) -> int:
+        """Number of nodes, with the rim around the cells."""
+        return math.prod(n + 3 for n in self.cells)
+
+    @property
     def corner(self) -> tuple[float, ...]:
         """The upper corner after rounding to whole cells, m."""
         return tuple(w + n * self.cell for w, n in zip(self.lower, self.cells, strict=True))
@@ -111,6 +116,12 @@ class Impact(Model):
         return self.speed * math.sin(self.angle), 0.0, -self.speed * math.cos(self.angle)
 
 
+class Contact(Model):
+    """Contact of the projectile bodies with all others; without it what shares a node sticks together."""
+
+    friction: Annotated[Number, Field(ge=0, le=10)]
+
+
 class Numerics(Model):
     """The method. The defaults are the ones compared in studies/robustness."""
 
@@ -140,6 +151,7 @@ class Scene(Model):
     impact: Impact
     body: Annotated[tuple[Body, ...], Field(min_length=1)]
     materials: dict[str, Material]
+    contact: Contact | None = None
     numerics: Numerics = Numerics()
     output: Output = Output()
 
@@ -185,6 +197,15 @@ class Scene(Model):
         for (i, a), (j, b) in itertools.combinations(enumerate(self.body), 2):
             if overlap(a, b):
                 raise ValueError(f"body[{j}] '{b.name}': overlaps body[{i}] '{a.name}'")
+        return self
+
+    @model_validator(mode="after")
+    def _contact_has_two_sides(self) -> Self:
+        if self.contact and not (self.projectiles and self.targets):
+            raise ValueError("contact: needs a body with projectile = true and one without")
+        if self.contact and 2 * self.grid.node_count > MAX_NODES:
+            nodes = 2 * self.grid.node_count
+            raise ValueError(f"contact: doubles the nodes to {nodes:.3g}, at most {MAX_NODES} fit")
         return self
 
     @model_validator(mode="after")
@@ -234,7 +255,7 @@ class Scene(Model):
 
     def to_dict(self) -> dict[str, Any]:
         """Plain tables, SI numbers: from_dict gives the same scene back."""
-        return self.model_dump(mode="json")
+        return self.model_dump(mode="json", exclude_none=True)
 
     def to_toml(self) -> str:
         """The scene as TOML with every default written out, SI numbers."""

@@ -61,6 +61,8 @@ class Simulation:
             ),
             threads=self.threads,
         )
+        if scene.contact:
+            self._solver.set_contact([b.projectile for b in scene.body], scene.contact.friction)
         self._solver.reserve(sum(count(body, scene.grid.box) for body in scene.body))
         for piece in make_points(scene):
             self._solver.add_points(piece.position, piece.velocity, piece.mass, piece.volume, piece.body)

@@ -19,6 +19,7 @@ LEDGER = (
     "viscous",
     "plastic",
     "pic",
+    "contact",
     "initial",
     "error",
     "mass",
