@@ -16,7 +16,9 @@ struct Meeting {
   Vec3<T> normal{};  // out of the first body (18)
   // How far (m) each body reaches beyond the node: the first along the normal, the second against it.
   T reach[2] = {std::numeric_limits<T>::lowest() / 4, std::numeric_limits<T>::lowest() / 4};
-  Vec3<T> impulse{};  // that the first body gives to the second (kg m/s)
+  // Impulses of the first body on the second (kg m/s): what the points feel, and twice the mean of what makes
+  // the nodal velocities that strain and move them compatible (19).
+  Vec3<T> impulse{}, twice_fitted{};
 
   PM_HD bool touches() const { return reach[0] + reach[1] >= T(0); }
 };

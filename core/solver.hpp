@@ -243,10 +243,11 @@ class Solver {
     timers_.time("clear", [&] { clear(); });
     timers_.time("p2g", [&] { map_damping<K>(), map_to_grid<K>(); });                    // (1)
     timers_.time("boundary", [&] { constrain(grid_.geometry, faces_, grid_.before); });  // (2)
+    if (contact_) timers_.time("contact", [&] { meet<K>(); });
     const bool first = scheme == Scheme::usf || scheme == Scheme::usavg;
     timers_.time("stress", [&] { stress_and_forces<K>(first ? &grid_.before : nullptr, true); });  // (3, 4)
     timers_.time("momentum", [&] { integrate_momentum(); });                                       // (5)
-    if (contact_) timers_.time("contact", [&] { collide<K>(); });
+    if (contact_) timers_.time("contact", [&] { press(); });
     timers_.time("g2p", [&] { map_to_points<K>(scheme == Scheme::usf); });  // (6)
     timers_.time("absorbed", [&] { account_for_absorbed(remaps() ? grid_.remapped : grid_.after); });
     if (!first)
@@ -383,9 +384,17 @@ class Solver {
   }
 
   template <class K>
-  void collide() {
-    contact_->template act<typename K::Shape, typename K::V>(points_, grid_, tiles_, threads_,
-                                                             [&](std::size_t p) { return T(volume(p)); });
+  void meet() {
+    contact_->template find<typename K::Shape, typename K::V>(points_, grid_, tiles_, threads_,
+                                                              [&](std::size_t p) { return T(volume(p)); });
+    fit(grid_.before);
+  }
+  void fit(Array<Quad<T>>& velocity) {
+    contact_->fit(grid_, velocity);
+    constrain(grid_.geometry, faces_, velocity);
+  }
+  void press() {
+    contact_->press(grid_);
     constrain(grid_.geometry, faces_, grid_.after);
   }
 
@@ -419,6 +428,7 @@ class Solver {
     fold(grid_.geometry, faces_, grid_.remapped, Mirrored::vector);
     momentum_to_velocity(grid_.remapped);
     constrain(grid_.geometry, faces_, grid_.remapped);
+    if (contact_) fit(grid_.remapped);
   }
 
   template <class K>

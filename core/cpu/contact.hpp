@@ -19,10 +19,10 @@ class Contact {
       if (face == Face::fixed) face = Face::symmetry;
   }
 
-  // Changes the velocities after the forces acted.
+  // Finds where the bodies touch at the start of a step.
   template <class Shape, class V, class Volume>
-  void act(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, Volume&& volume) {
-    find(grid, tiles, threads);
+  void find(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, Volume&& volume) {
+    find_meetings(grid, tiles, threads);
     if (meetings_.empty()) return;
     orient<Shape, V>(points, grid, tiles, threads, volume);
     tiles.scatter(threads, [&](int, const Block& block) {
@@ -30,17 +30,30 @@ class Contact {
         add_reach<Shape>(points, grid.geometry, run, [&](std::size_t node) { return at(node); }, volume);
       });
     });
-    for (Meeting<T>& meeting : meetings_)
-      if (meeting.touches()) exchange(grid, meeting);
   }
 
-  // Kinetic energy (J) that the impulses of the last step took from the points, whose velocity is now `final`
-  // at the nodes (docs/theory.md, Eq. 6).
+  // Takes the approach of touching bodies out of a nodal velocity. The points keep theirs.
+  void fit(const Grid<T>& grid, Array<Quad<T>>& velocity) {
+    for (Meeting<T>& meeting : meetings_)
+      if (meeting.touches()) meeting.twice_fitted += exchange(grid, meeting, velocity, T(0));
+  }
+
+  // Changes the velocities after the forces acted: no approach, and friction.
+  void press(Grid<T>& grid) {
+    for (Meeting<T>& meeting : meetings_)
+      if (meeting.touches()) meeting.impulse = exchange(grid, meeting, grid.after, friction_);
+  }
+
+  // Kinetic energy (J) that the last step took from the points and paid no stress with: `final` is the
+  // points' velocity now, at the nodes (docs/theory.md, Eqs. 6 and 21).
   double taken(const Grid<T>& grid, const Array<Quad<T>>& final) const {
     double sum = 0;
     for (const Meeting<T>& m : meetings_) {
-      const auto twice = [&](std::size_t node) { return grid.before[node].vector() + final[node].vector(); };
-      sum += 0.5 * double(dot(m.impulse, twice(m.node) - twice(second_ + m.node)));
+      const auto relative = [&](const Array<Quad<T>>& velocity) {
+        return velocity[m.node].vector() - velocity[second_ + m.node].vector();
+      };
+      const auto before = relative(grid.before), change = relative(grid.after) - before;
+      sum += 0.5 * double(dot(m.impulse, before + relative(final)) - dot(m.twice_fitted, change));
     }
     return sum;
   }
@@ -51,7 +64,7 @@ class Contact {
 
   Meeting<T>* at(std::size_t node) { return slot_[node] == none ? nullptr : &meetings_[slot_[node]]; }
 
-  void find(const Grid<T>& grid, const Tiles& tiles, int threads) {
+  void find_meetings(const Grid<T>& grid, const Tiles& tiles, int threads) {
     for (const Meeting<T>& m : meetings_) slot_[m.node] = none;
     meetings_.clear();
     found_.assign(tiles.count(), {});
@@ -99,13 +112,15 @@ class Contact {
     });
   }
 
-  void exchange(Grid<T>& grid, Meeting<T>& m) const {
-    Quad<T>&first = grid.after[m.node], &second = grid.after[second_ + m.node];
+  // Returns the impulse of the first body on the second.
+  Vec3<T> exchange(const Grid<T>& grid, const Meeting<T>& m, Array<Quad<T>>& velocity, T friction) const {
+    Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
     const T first_mass = grid.mass(m.node), second_mass = grid.mass(second_ + m.node);
-    m.impulse =
-        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, friction_);
-    first.set_vector(first.vector() - (T(1) / first_mass) * m.impulse);
-    second.set_vector(second.vector() + (T(1) / second_mass) * m.impulse);
+    const auto impulse =
+        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, friction);
+    first.set_vector(first.vector() - (T(1) / first_mass) * impulse);
+    second.set_vector(second.vector() + (T(1) / second_mass) * impulse);
+    return impulse;
   }
 
   std::size_t second_;  // first node of the second field

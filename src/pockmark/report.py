@@ -70,8 +70,9 @@ def _energy(result: Results) -> Iterator[tuple[str, str]]:
     yield "  of it by bulk viscosity", share("viscous")
     yield "kinetic in the grid, left", share("kinetic", "left_kinetic")
     yield "absorbed by faces", share("absorbed")
-    if energy["pic"]:
-        yield "taken by PIC", share("pic")
+    for key, name in (("pic", "PIC"), ("contact", "contact and friction")):
+        if energy[key]:
+            yield f"taken by {name}", share(key)
     yield "sum - 1: ledger error", _shown(energy["ledger_error"], "{:+z.2%}")
 
 

@@ -13,7 +13,7 @@ from .scene import Mirror
 from .surface import Field, target_field
 from .uncertainty import LEVELS, uncertainties
 
-SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "viscous")
+SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
 SHAPE = (
     "major_axis",
     "minor_axis",
@@ -128,7 +128,7 @@ def result_table(
     counters: Mapping[str, int],
 ) -> dict[str, Any]:
     """Nested results. Energies are shares of the initial kinetic energy, None where that is zero; E_i^r counts the
-    points that left as they left. internal + kinetic + absorbed + left + pic = 1 + ledger_error."""
+    points that left as they left. internal + kinetic + absorbed + left + pic + contact = 1 + ledger_error."""
     depth, diameter = (crater.depth, crater.diameter) if crater else (None, None)
     initial = ledger["initial"]
     joules = {key: ledger[key] for key in SHARES} | {

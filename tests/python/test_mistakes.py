@@ -239,3 +239,8 @@ def test_measure_tells_the_largest_ledger_error(tmp_path):
     history, energy = folder.history(), measure(folder.path)["energy"]
     assert energy["ledger_error_max"] == np.abs(history["error"]).max() / history["initial"][0]
     assert energy["ledger_error_max"] >= abs(energy["ledger_error"]) * (1 - 1e-9)
+
+
+def test_contact_needs_two_sides():
+    with pytest.raises(PockmarkError, match="contact: needs a body with projectile = true and one without"):
+        Scene.load(QUICK, ["contact.friction=0.3", "body.projectile.projectile=false"])

@@ -110,7 +110,7 @@ def test_the_energies_that_are_shown_add_up_when_points_leave(tmp_path):
     print(printed(result))
     assert energy["left_kinetic"] > 0.1
     assert energy["left"] == pytest.approx(energy["left_kinetic"] + energy["left_internal"])
-    parts = ("residual_internal", "kinetic", "left_kinetic", "absorbed", "pic")
+    parts = ("residual_internal", "kinetic", "left_kinetic", "absorbed", "pic", "contact")
     assert sum(energy[key] for key in parts) == pytest.approx(1 + energy["ledger_error"], abs=1e-12)
     assert RunFolder.open(tmp_path / "run").history()["left_momentum_x"][-1] > 0
 

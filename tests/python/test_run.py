@@ -81,7 +81,8 @@ def test_a_quarter_model_gives_the_half_model_s_crater(folder, tmp_path):
 def test_history_closes_its_ledger(folder):
     history = RunFolder.open(folder).history()
     total = sum(
-        history[k] for k in ("kinetic", "internal", "absorbed", "left_kinetic", "left_internal", "pic")
+        history[k]
+        for k in ("kinetic", "internal", "absorbed", "left_kinetic", "left_internal", "pic", "contact")
     )
     assert np.allclose(total - history["initial"], history["error"], atol=1e-9 * history["initial"][0])
     assert np.all(np.diff(history["time"]) > 0)

@@ -55,7 +55,7 @@ def perfectly_plastic(shear, yield_stress):
     )
 
 
-def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0):
+def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, lanes=None):
     return core.Options(
         scheme=getattr(core.Scheme, scheme),
         shape=getattr(core.ShapeFunction, shape),
@@ -63,7 +63,7 @@ def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0):
         strain_limit=0.2,
         pic_fraction=pic,
         mass_cutoff=cutoff,
-        lanes=core.build_info()["lanes"],
+        lanes=core.build_info()["lanes"] if lanes is None else lanes,
         sleep=True,
     )
 

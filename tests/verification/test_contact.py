@@ -12,27 +12,15 @@ LOADING = 60.0  # time in which gravity grows, so that the load does not bounce
 H, SPEED = 1.0, 1e-2  # cell; of each bar, in bar speeds
 
 
-def solver(bodies, friction, cells, faces, *, scheme="usavg", lanes=None, threads=1, nu=0.3):
-    """bodies: (position, velocity, volumes of the points); density 1, Young's modulus 1. friction None: sticky."""
-    opts = options(scheme)
-    if lanes is not None:
-        opts = core.Options(
-            scheme=getattr(core.Scheme, scheme),
-            shape=core.ShapeFunction.trilinear,
-            cfl=0.5,
-            strain_limit=0.2,
-            pic_fraction=0.0,
-            mass_cutoff=0.0,
-            lanes=lanes,
-            sleep=True,
-        )
-    s = core.Solver(
+def solver(bodies, friction, cells, faces, *, threads=1, nu=0.3, single=False, **choices):
+    """bodies: (position, velocity, volumes of the points); density 1, Young's modulus 1. friction None: sticky. The rest is of options()."""
+    s = (core.SolverSingle if single else core.Solver)(
         lower=(0.0, 0.0, 0.0),
         cell=H,
         cells=cells,
         faces=faces,
         materials=[elastic(1.0, nu, 1.0)] * len(bodies),
-        options=opts,
+        options=options(**choices),
         threads=threads,
     )
     if friction is not None:
@@ -46,38 +34,54 @@ def solver(bodies, friction, cells, faces, *, scheme="usavg", lanes=None, thread
     return s
 
 
-def bars(friction, gap=1.0, **kwargs):
-    """Two equal bars with nu = 0 run into each other along x: waves without dispersion by the sides."""
-    left = lattice((6 - gap / 2, 0, 0), (20, 2, 2), 0.5)
-    right = lattice((16 + gap / 2, 0, 0), (20, 2, 2), 0.5)
+def bars(friction, length=10, gap=1.0, **kwargs):
+    """Two equal bars, `length` cells long, run into each other along x; with nu = 0 the sides do not disperse waves."""
+    left = lattice((6 - gap / 2, 0, 0), (2 * length, 2, 2), 0.5)
+    right = lattice((6 + length + gap / 2, 0, 0), (2 * length, 2, 2), 0.5)
     bodies = [(left, (SPEED, 0, 0), 0.125), (right, (-SPEED, 0, 0), 0.125)]
-    return solver(bodies, friction, (32, 1, 1), [FREE, FREE] + [SYMMETRY] * 4, nu=0.0, **kwargs)
+    cells = (12 + 2 * length, 1, 1)
+    return solver(bodies, friction, cells, [FREE, FREE] + [SYMMETRY] * 4, nu=0.0, **kwargs)
 
 
 def mean_velocity(s, body):
     return s.field("velocity")[s.field("body") == body].mean(axis=0)
 
 
-@pytest.mark.parametrize("scheme", ["usavg", "usf", "musl"])
-def test_equal_bars_exchange_momenta_and_part(scheme):
-    s = bars(0.3, scheme=scheme)
+def rebound(length, scheme="usavg"):
+    """What is left of the bars' speed after their collision, and the ledger."""
+    s = bars(0.3, length, scheme=scheme)
     unit = SPEED * s.ledger()["mass"] / 2
-    s.advance(10**6, 200.0)
+    s.advance(10**6, 50.0 + 7.0 * length)
     left, right = mean_velocity(s, 0)[0] / SPEED, mean_velocity(s, 1)[0] / SPEED
     ledger = s.ledger()
-    total = abs(ledger["momentum_x"]) / unit
-    gap = by_id(s, "position")[:, 0].reshape(2, -1)
-    error = ledger["error"] / ledger["initial"]
+    x = by_id(s, "position")[:, 0].reshape(2, -1)
+    momentum, error = abs(ledger["momentum_x"]) / unit, ledger["error"] / ledger["initial"]
     print(
-        f"{scheme}: {left:+.3f} and {right:+.3f} of the speed before, momentum {total:.1e}, ledger {error:+.1e}, "
-        f"contact took {ledger['contact'] / ledger['initial']:.3f}"
+        f"{scheme}, {length} cells: {left:+.3f} and {right:+.3f} of the speed before, momentum {momentum:.1e}, "
+        f"ledger {error:+.1e}, contact took {ledger['contact'] / ledger['initial']:.3f}"
     )
-    assert total < 1e-13
-    # The waves that the grid disperses stay in the bars as vibration.
-    assert left == pytest.approx(-1.0, abs=0.1)
-    assert right == pytest.approx(1.0, abs=0.1)
-    assert gap[1].min() - gap[0].max() > 2.5  # the grid no longer couples them
-    assert abs(error) < (1e-12 if scheme == "usavg" else 0.06)
+    assert momentum < 1e-13
+    assert left == pytest.approx(-right, abs=1e-12)
+    assert x[1].min() - x[0].max() > 1.3  # they parted
+    return right, error
+
+
+def test_equal_bars_exchange_velocities_the_better_the_finer():
+    lost = []
+    for length in (10, 20, 40):
+        right, error = rebound(length)
+        lost.append(1 - right)
+        assert abs(error) < 1e-13
+    assert lost[0] < 0.2
+    assert lost[1] < 0.65 * lost[0]  # first order
+    assert lost[2] < 0.65 * lost[1]
+
+
+@pytest.mark.parametrize("scheme", ["usf", "musl"])
+def test_bars_part_with_the_other_schemes(scheme):
+    right, error = rebound(10, scheme)
+    assert right > 0.8
+    assert abs(error) < 0.1
 
 
 def test_one_field_is_sticky_and_feels_the_contact_cells_early():
@@ -101,7 +105,7 @@ def test_one_field_is_sticky_and_feels_the_contact_cells_early():
     assert gap < 2.0
 
 
-def down_the_slope(body, volume, friction, cells, end):
+def down_the_slope(body, volume, friction, cells, end, **choices):
     """Velocity along a flat slab, in g sin(TILT) t, and spin, of a body that gravity acts on at a tilt, as kicks."""
     slab = lattice((0, 0, 0), (2 * cells[0], 2, 4), 0.5)
     s = solver(
@@ -109,6 +113,7 @@ def down_the_slope(body, volume, friction, cells, end):
         friction,
         cells,
         [FREE, FREE, SYMMETRY, SYMMETRY, FIXED, FREE],
+        **choices,
     )
     kick = G * np.array([np.sin(TILT), 0.0, -np.cos(TILT)])
     rows = []
@@ -122,20 +127,29 @@ def down_the_slope(body, volume, friction, cells, end):
     return np.polyfit(t, u, 1)[0] / (G * np.sin(TILT)), s
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.2, 0.4, 0.8])
-def test_block_on_an_incline(friction):
-    """Slips with a = g (sin - mu cos); sticks where mu > tan, but for a creep of steady speed (docs/theory.md)."""
+def block_on_an_incline(friction, end, **choices):
+    """Its acceleration in g sin(TILT), and how far it came, as a share of a free slide."""
     block = lattice((3, 0, 2), (16, 2, 8), 0.5)
-    exact = max(0.0, 1 - friction / np.tan(TILT))
-    end = 300.0 if exact > 0 else 600.0
-    a, s = down_the_slope(block, 0.125, friction, (24, 1, 9), end)
+    a, s = down_the_slope(block, 0.125, friction, (24, 1, 9), end, **choices)
     free = G * np.sin(TILT) * end**2 / 2
     gone = (s.field("position")[s.field("body") == 1, 0].mean() - 7) / free
-    print(f"mu {friction}: a = {a:.4f} g sin, exact {exact:.4f}; gone {gone:.3f} of a free slide")
-    if exact > 0:
-        assert a == pytest.approx(exact, abs=0.01)
-    else:
-        assert abs(gone) < 0.08
+    print(f"mu {friction}: a = {a:+.4f} g sin; gone {gone:.4f} of a free slide")
+    return a, gone
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2, 0.4])
+def test_a_block_slips_on_an_incline(friction):
+    a, _ = block_on_an_incline(friction, 300.0)
+    assert a == pytest.approx(1 - friction / np.tan(TILT), abs=0.01)
+
+
+@pytest.mark.parametrize("friction", [0.7, 0.8])
+def test_a_block_sticks_on_an_incline(friction):
+    """mu > tan(30 deg) = .577. Without any PIC the block's vibration never ends, and it creeps (docs/theory.md)."""
+    a, gone = block_on_an_incline(friction, 600.0, pic=0.05)
+    assert abs(a) < 2e-3
+    assert abs(gone) < 2e-3
+    assert 0.01 < block_on_an_incline(friction, 600.0)[1] < 0.08
 
 
 def cylinder(radius, x, z, pitch=0.5):
@@ -154,7 +168,7 @@ def cylinder(radius, x, z, pitch=0.5):
 def test_cylinder_rolls_or_slides(friction):
     """Rolls with a = 2/3 g sin where mu >= tan/3, and slides with g (sin - mu cos) below."""
     radius = 8.0
-    a, s = down_the_slope(*cylinder(radius, 10.0, 2 + radius), friction, (36, 1, 21), 300.0)
+    a, s = down_the_slope(*cylinder(radius, 10.0, 2 + radius), friction, (40, 1, 21), 600.0)
     exact = 2 / 3 if friction >= np.tan(TILT) / 3 else 1 - friction / np.tan(TILT)
     rows = s.field("body") == 1
     x, v, m = (s.field(name)[rows] for name in ("position", "velocity", "mass"))
@@ -166,7 +180,7 @@ def test_cylinder_rolls_or_slides(friction):
         f"mu {friction}: a = {a:.3f} g sin, exact {exact:.3f}; spin {rolling:.3f} of rolling, exact {rolls:.3f}"
     )
     assert a == pytest.approx(exact, abs=0.03)
-    assert rolling == pytest.approx(rolls, abs=0.15)
+    assert rolling == pytest.approx(rolls, abs=0.06)
 
 
 def oblique(**kwargs):
@@ -179,18 +193,16 @@ def oblique(**kwargs):
     return s
 
 
-def test_contact_keeps_momentum_and_energy():
-    s = oblique()
+@pytest.mark.parametrize(("single", "tolerance"), [(False, 1e-13), (True, 1e-5)])
+def test_contact_keeps_momentum_and_energy(single, tolerance):
+    s = oblique(single=single)
     ledger = s.ledger()
-    volume = 4.0**3
-    lost = max(
-        abs(ledger[f"momentum_{a}"] - volume * v) for a, v in zip("xyz", (0.05, 0.02, -0.08), strict=True)
-    )
-    error = ledger["error"] / ledger["initial"]
-    share = ledger["contact"] / ledger["initial"]
-    print(f"momentum {lost / (0.08 * volume):.1e}, ledger {error:+.1e}, contact took {share:.3f}")
-    assert lost < 1e-12 * volume
-    assert abs(error) < 1e-13
+    mass = 4.0**3
+    lost = [ledger[f"momentum_{a}"] / mass - v for a, v in zip("xyz", (0.05, 0.02, -0.08), strict=True)]
+    error, share = ledger["error"] / ledger["initial"], ledger["contact"] / ledger["initial"]
+    print(f"momentum {np.abs(lost).max() / 0.08:.1e}, ledger {error:+.1e}, contact took {share:.3f}")
+    assert np.abs(lost).max() < 0.08 * tolerance
+    assert abs(error) < tolerance
     assert share > 0.01
 
 
@@ -211,14 +223,13 @@ def test_lanes_agree_with_the_scalar_driver_in_contact():
     assert worst < 1e-10
 
 
-def test_what_an_impact_loses_to_contact_falls_with_the_cell():
-    """Contact is inelastic in the layer of nodes that it acts on: too much of an impact on few cells."""
-    lost = []
+def test_an_impact_without_friction_loses_next_to_nothing_to_contact():
+    """An impulse that the points felt whole would take .36 and .15 of the energy here (docs/theory.md)."""
     for points in (60_000, 480_000):
         simulation = Simulation(bench_scene(points, ("impact.speed=2200", "contact.friction=0")), 1)
         simulation.advance(4e-9)
         ledger = simulation.ledger()
+        share = ledger["contact"] / ledger["initial"]
+        print(f"{points} points: contact took {share:.4f} of the energy")
         assert abs(ledger["error"]) < 1e-12 * ledger["initial"]
-        lost.append(ledger["contact"] / ledger["initial"])
-    print(f"contact without friction took {lost[0]:.3f} of the energy, in half the cell {lost[1]:.3f}")
-    assert lost[1] < 0.5 * lost[0]
+        assert 0 <= share < 0.02
