@@ -30,10 +30,12 @@ class Group(Model):
 
 
 class Campaign(Model):
-    """What `campaign.toml` says; `scene` is a path from the file's folder."""
+    """What `campaign.toml` says; `scene` is a path from the file's folder, and so is `report`: a Python script that draws
+    figures from the finished table, called as `report TABLE RUNS OUT`."""
 
     title: str = ""
     scene: str
+    report: str = ""
     set: Changes
     quick: Changes
     group: Annotated[list[Group], Field(min_length=1)]

@@ -20,7 +20,7 @@ from .run import measure_run, plot_run, run_scene
 from .scene import Scene
 from .simulation import thread_count
 from .store import to_json
-from .study import run_study, summary, write_results
+from .study import make_report, run_study, summary, write_results
 
 app = typer.Typer(
     help="Craters of micron-sized particles at kilometres per second, by the material point method.",
@@ -160,6 +160,8 @@ def study(
     table = (output if quick or only else folder) / f"results{'-quick' if quick else ''}.csv"
     write_results(outcomes, output, table)
     console.print(f"wrote {table}")
+    if campaign.report:
+        make_report(folder / campaign.report, table, output)
     if failed := sum(bool(o.fault) for o in outcomes):
         console.print(f"[red]{failed} of {len(outcomes)} runs failed[/red]")
         raise typer.Exit(1)

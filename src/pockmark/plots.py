@@ -42,24 +42,61 @@ class Cast:
         return TARGETS[self.targets.index(body) % len(TARGETS)] if body in self.targets else "#ffffff"
 
 
+@dataclass(frozen=True)
+class Cut:
+    """The points within one spacing of a plane y: x, z, width (n,) um, stress and pressure (n,) MPa, body (n,)."""
+
+    x: Array
+    z: Array
+    width: Array
+    stress: Array
+    pressure: Array
+    body: NDArray[Any]
+    is_projectile: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, snapshot: Fields, cast: Cast, plane: float, spacing: float) -> "Cut":
+        """Through the plane y = `plane` (m)."""
+        near = np.abs(snapshot["position"][:, 1] - plane) < spacing
+        position, body = snapshot["position"][near] * 1e6, snapshot["body"][near]
+        return cls(
+            position[:, 0],
+            position[:, 2],
+            np.cbrt(snapshot["volume"][near]) * 1e6,
+            effective_stress(snapshot["deviator"][near]) / 1e6,
+            snapshot["pressure"][near] / 1e6,
+            body,
+            np.isin(body, cast.projectiles),
+        )
+
+    @property
+    def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Of axes that show it."""
+        return _limits(self.x, self.z, self.z[~self.is_projectile])
+
+    def draw(self, axes: Axes, colour: NDArray[Any]) -> None:
+        """The target's points in their colours, the projectile white, the original surface dotted."""
+        size = _marker_size(axes, self.width)
+        target = ~self.is_projectile
+        for part, shown in ((target, colour[target]), (self.is_projectile, "white")):
+            axes.scatter(self.x[part], self.z[part], c=shown, s=size[part], marker="s", linewidths=0)
+        axes.axhline(0.0, color="black", linestyle=":", linewidth=0.8)
+
+
 def slice_figure(
     snapshot: Fields, cast: Cast, *, plane: float, spacing: float, crater: Crater | None, title: str
 ) -> Figure:
     """Points within one `spacing` (m) of y = `plane`: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
-    near = np.abs(snapshot["position"][:, 1] - plane) < spacing
-    points = {name: snapshot[name][near] for name in ("position", "volume", "body", "deviator", "pressure")}
-    x, z = points["position"][:, 0] * 1e6, points["position"][:, 2] * 1e6
-    width = np.cbrt(points["volume"]) * 1e6
-    is_projectile = np.isin(points["body"], cast.projectiles)
-    limits = _limits(x, z, z[~is_projectile])
+    cut = Cut.of(snapshot, cast, plane, spacing)
+    limits = cut.limits
     figure = Figure(figsize=_size(limits), layout="compressed")
     FigureCanvasAgg(figure)
     figure.suptitle(title)
     panels = figure.subplots(3, 1, sharex=True, sharey=True)
     colours = [
-        [cast.colour(body) for body in points["body"]],
-        STRESS.to_rgba(effective_stress(points["deviator"]) / 1e6),
-        PRESSURE.to_rgba(points["pressure"] / 1e6),
+        np.asarray([cast.colour(body) for body in cut.body]),
+        STRESS.to_rgba(cut.stress),
+        PRESSURE.to_rgba(cut.pressure),
     ]
     names = ("bodies (projectile white)", "effective stress (MPa)", "pressure (MPa)")
     for axes, name, scale in zip(panels, names, (STRESS, STRESS, PRESSURE), strict=True):
@@ -68,14 +105,36 @@ def slice_figure(
         figure.colorbar(scale, ax=axes).ax.set_visible(axes is not panels[0])
     panels[-1].set_xlabel("x (um)")
     figure.draw_without_rendering()  # the markers' size depends on the panels'
-    for axes, colour in zip(panels, map(np.asarray, colours), strict=True):
-        size = _marker_size(axes, width)
-        for part, shown in ((~is_projectile, colour[~is_projectile]), (is_projectile, "white")):
-            axes.scatter(x[part], z[part], c=shown, s=size[part], marker="s", linewidths=0)
-        axes.axhline(0.0, color="black", linestyle=":", linewidth=0.8)
+    for axes, colour in zip(panels, colours, strict=True):
+        cut.draw(axes, np.asarray(colour))
         _mark_depth(axes, crater)
     if len(cast.targets) > 1:
         _name_targets(panels[0], cast)
+    return figure
+
+
+def process_figure(snapshots: Sequence[Fields], cast: Cast, *, plane: float, spacing: float) -> Figure:
+    """Effective stress above, pressure below, a column a snapshot: the panels of Liu et al. 2015, Figs. 5 and 8."""
+    cuts = [Cut.of(snapshot, cast, plane, spacing) for snapshot in snapshots]
+    limits = cuts[-1].limits
+    wide, high = (end - start for start, end in limits)
+    figure = Figure(figsize=(3 * len(cuts) + 1, 6 * high / wide + 1), layout="compressed")
+    FigureCanvasAgg(figure)
+    rows = figure.subplots(2, len(cuts), sharex=True, sharey=True, squeeze=False)
+    names = ("effective stress (MPa)", "pressure (MPa)")
+    for row, name, scale in zip(rows, names, (STRESS, PRESSURE), strict=True):
+        for axes in row:
+            axes.set(xlim=limits[0], ylim=limits[1], aspect="equal", facecolor=AIR)
+        row[0].set_ylabel("z (um)")
+        figure.colorbar(scale, ax=row, label=name)
+    for axes, snapshot in zip(rows[0], snapshots, strict=True):
+        axes.set_title(f"{float(snapshot['time'][0]) * 1e9:.0f} ns")
+    for axes in rows[1]:
+        axes.set_xlabel("x (um)")
+    figure.draw_without_rendering()
+    for column, cut in zip(rows.T, cuts, strict=True):
+        cut.draw(column[0], np.asarray(STRESS.to_rgba(cut.stress)))
+        cut.draw(column[1], np.asarray(PRESSURE.to_rgba(cut.pressure)))
     return figure
 
 

@@ -7,18 +7,19 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from . import __version__, results
 from .bodies import Sphere
 from .errors import PockmarkError
 from .lattice import count
-from .plots import HISTORY_COLUMNS, Cast, history_figure, slice_figure
+from .plots import HISTORY_COLUMNS, Cast, history_figure, process_figure, slice_figure
 from .scene import Scene
 from .simulation import Simulation, Task
 from .stop import heard_between_steps
-from .store import RunFolder, commit, finite, machine, now, told
-from .surface import Field
+from .store import RunFolder, Snapshot, commit, finite, machine, now, told
+from .surface import Field, Surface
 from .tasks import History, ProgressBar, Snapshots
 
 # What the measures need of a manifest.
@@ -190,6 +191,22 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
         for name, figure in figures.items():
             figure.savefig(target / name, dpi=150)
     return [target / name for name in figures]
+
+
+def surface_of_run(path: str | Path) -> Surface | None:
+    """The target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
+    folder = RunFolder.open(path)
+    field = _field(folder.last_snapshot(), folder.scene())
+    return None if field is None else field.surface()
+
+
+def plot_process(path: str | Path) -> Figure:
+    """Stress and pressure in the last four snapshots of a run folder."""
+    folder = RunFolder.open(path)
+    scene = folder.scene()
+    snapshots = [Snapshot(file) for file in folder.snapshots()[-4:]]
+    cast = Cast([body.name for body in scene.body], scene.projectiles)
+    return process_figure(snapshots, cast, plane=_slice_plane(scene), spacing=_target_spacing(scene))
 
 
 def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:

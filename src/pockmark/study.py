@@ -1,6 +1,8 @@
 """Running a campaign: each run once, kept by the hash of its scene; what stopped goes on, what fails stops nothing."""
 
 import csv
+import subprocess
+import sys
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
@@ -107,6 +109,15 @@ def write_results(outcomes: Sequence[Outcome], out: Path, path: Path) -> None:
             writer = csv.DictWriter(file, list(columns), restval="")
             writer.writeheader()
             writer.writerows(rows)
+
+
+def make_report(script: Path, table: Path, runs: Path) -> None:
+    """Run a campaign's own script, which draws beside the table. Raises PockmarkError if it fails."""
+    done = subprocess.run(
+        [sys.executable, str(script), str(table), str(runs), str(table.parent)], check=False
+    )
+    if done.returncode:
+        raise PockmarkError(f"{script}: failed; {table} and the runs are kept")
 
 
 def _made_by(folder: Path) -> dict[str, str]:

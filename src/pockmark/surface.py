@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from skimage.measure import find_contours
 
 from .scene import Mirror
 
@@ -34,6 +35,20 @@ class Surface:
     z: Array
     fraction: Array
     spacing: float
+
+    def section(self, axis: int, at: float) -> list[Array]:
+        """Lines (n, 2), m, where the surface cuts the plane x (`axis` 0), y or z = `at`; the other axes in their order.
+        Empty where the plane lies outside."""
+        nodes = (self.x, self.y, self.z)
+        place = (at - nodes[axis][0]) / (nodes[axis][1] - nodes[axis][0])
+        if not 0 <= place <= len(nodes[axis]) - 1:
+            return []
+        below = min(int(place), len(nodes[axis]) - 2)
+        near = self.fraction.take([below, below + 1], axis=axis)
+        plane = near.take(0, axis=axis) * (below + 1 - place) + near.take(1, axis=axis) * (place - below)
+        origin = np.array([nodes[a][0] for a in range(3) if a != axis])
+        lines = find_contours(plane, 0.5)  # type: ignore[no-untyped-call]
+        return [origin + line * self.spacing / 2 for line in lines]
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,114 @@
+"""What the studies' figures share: the rows of a campaign's table, figures, tables, checked statements."""
+
+import csv
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+
+from pockmark.units import to_si
+
+
+class Row:
+    """A run: its swept keys, and its measures by their name in `crater.`."""
+
+    def __init__(self, cells: Mapping[str, str]) -> None:
+        """Of a line of the table that `pockmark study` wrote."""
+        self.cells = cells
+        self.speed = to_si(cells["impact.speed"], "m/s")
+        self.angle = round(math.degrees(to_si(cells["impact.angle"], "rad")), 6)
+        self.friction = float(cells["contact.friction"]) if cells.get("contact.friction") else None
+        self.fault = cells["fault"]
+        self.groups = cells["groups"].split()
+        self.scene = cells["scene"]
+
+    def get(self, key: str) -> float | None:
+        """A measure of the crater, SI, None if there is none."""
+        text = self.cells.get(f"crater.{key}")
+        return float(text) if text else None
+
+    def __getitem__(self, key: str) -> float:
+        """A measure that must be there."""
+        value = self.get(key)
+        if value is None:
+            raise KeyError(f"{self.label}: has no {key}")
+        return value
+
+    def spread(self, key: str) -> float:
+        """The uncertainty of a measure; of a ratio without its own that of C_p in it; 0 where it is not known."""
+        own = self.get(f"uncertainty.{key}")
+        return own if own is not None else self[key] * (self.get("uncertainty.depth") or 0.0) / self["depth"]
+
+    @property
+    def label(self) -> str:
+        """What was swept."""
+        friction = "" if self.friction is None else f", friction {self.friction:g}"
+        return f"{self.speed:g} m/s, {self.angle:g} deg{friction}"
+
+
+def read_results(path: Path) -> list[Row]:
+    """The rows of a campaign's table, by angle and speed."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return sorted(
+            map(Row, csv.DictReader(file)), key=lambda row: (row.angle, row.speed, row.friction or 0)
+        )
+
+
+@contextmanager
+def figure(path: Path, x: str, y: str) -> Iterator[Axes]:
+    """Axes that become a PNG."""
+    drawing = Figure(figsize=(6.4, 4.4), layout="constrained")
+    FigureCanvasAgg(drawing)
+    axes = drawing.subplots()
+    axes.set(xlabel=x, ylabel=y)
+    yield axes
+    drawing.savefig(path, dpi=120)
+
+
+def write_table(
+    path: Path,
+    rows: Sequence[Row],
+    keys: Sequence[str],
+    extra: Mapping[str, Sequence[float | None]] | None = None,
+) -> None:
+    """Angle, speed and measures (SI) with their uncertainties, a row a run, and what version made it."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        known = [f"uncertainty.{key}" for key in keys if any(r.get(f"uncertainty.{key}") for r in rows)]
+        columns = [*keys, *known]
+        writer.writerow(["angle_deg", "speed_m/s", *columns, *(extra or {}), "version", "commit"])
+        for i, row in enumerate(rows):
+            values = [row.get(key) for key in columns] + [values[i] for values in (extra or {}).values()]
+            shown = ["" if value is None else f"{value:.5g}" for value in values]
+            writer.writerow(
+                [f"{row.angle:g}", f"{row.speed:g}", *shown, row.cells["version"], row.cells["commit"]]
+            )
+
+
+@dataclass(frozen=True)
+class Statement:
+    """Something that the paper says, whether our runs say it too, and the numbers."""
+
+    source: str
+    text: str
+    holds: bool
+    numbers: str
+
+
+def keep_statements(statements: Sequence[Statement], path: Path) -> None:
+    """Print them, and write them as a table."""
+    table = Table("paper", "statement", "holds", "numbers", title="What the paper says")
+    for s in statements:
+        table.add_row(s.source, s.text, "[green]yes[/green]" if s.holds else "[red]no[/red]", s.numbers)
+    Console(width=160).print(table)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["paper", "statement", "holds", "numbers"])
+        writer.writerows([s.source, s.text, "yes" if s.holds else "no", s.numbers] for s in statements)

@@ -1,0 +1,138 @@
+"""Figures 4 to 12 of Liu et al. 2015, a CSV and a PNG each, and what they say, from the runs of this campaign.
+
+python studies/single-particle/figures.py RESULTS.csv RUNS OUT: `pockmark study single-particle` calls it so.
+"""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from matplotlib.axes import Axes
+from panels import panel_figures
+from profiles import profile_figure
+from reporting import Row, figure, keep_statements, read_results, write_table
+from trends import statements
+
+from pockmark.equations import cour_palais, herrmann_jones, summers_charters, volume_energy
+
+EQUATIONS = {
+    "Eq. 22": lambda v: volume_energy(v, projectile_density=2770, target_strength=265e6),
+    "Cour-Palais": lambda v: cour_palais(v, diameter=20e-6, brinell=120, sound_speed=5330),
+    "Summers-Charters": lambda v: summers_charters(v, sound_speed=5330),
+    "Herrmann-Jones": lambda v: herrmann_jones(v, target_density=2770, brinell=120),
+}
+MARKS = {0: "o", 15: "s", 30: "^"}
+
+
+def main() -> None:
+    """Draw what the table has runs for."""
+    results, runs, out = map(Path, sys.argv[1:4])
+    rows = [row for row in read_results(results) if not row.fault]
+    swept = [row for row in rows if row.friction is None]
+    normal = [row for row in swept if row.angle == 0]
+    oblique = [row for row in swept if row.angle > 0]
+    if normal:
+        figure_6(normal, out)
+        figure_7(normal, out)
+    if oblique:
+        figure_9(swept, out)
+        figure_10(oblique, out)
+        figure_11(oblique, out)
+        figure_12(swept, out)
+    profile_figure(rows, runs, out)
+    panel_figures(rows, runs, out)
+    keep_statements(statements(rows), out / "trends.csv")
+
+
+def figure_6(rows: Sequence[Row], out: Path) -> None:
+    """C_p/D_c against the speed."""
+    with figure(out / "figure-6.png", "speed (km/s)", "$C_p/D_c$") as axes:
+        _errorbars(axes, rows, "depth_over_diameter", "ours")
+        axes.axhspan(0.56, 0.60, color="0.85", label="flight craters in aluminium (Love et al. 1995)")
+        axes.axhline(0.5, color="black", linewidth=0.8, linestyle=":", label="hemisphere")
+        axes.legend()
+    write_table(out / "figure-6.csv", rows, ["depth", "diameter", "depth_over_diameter"])
+
+
+def figure_7(rows: Sequence[Row], out: Path) -> None:
+    """C_p/d_p against the speed, and four equations."""
+    with figure(out / "figure-7.png", "speed (km/s)", "$C_p/d_p$") as axes:
+        _errorbars(axes, rows, "depth_over_projectile_diameter", "ours")
+        for (name, law), style in zip(EQUATIONS.items(), ("-", "--", "-.", ":"), strict=True):
+            axes.plot([r.speed / 1e3 for r in rows], [law(r.speed) for r in rows], style, label=name)
+        axes.legend()
+    extra = {name: [law(row.speed) for row in rows] for name, law in EQUATIONS.items()}
+    write_table(out / "figure-7.csv", rows, ["depth", "depth_over_projectile_diameter"], extra)
+
+
+def figure_9(rows: Sequence[Row], out: Path) -> None:
+    """C_p, D_max and D_min against the speed at each angle."""
+    keys = {"depth": "$C_p$", "major_axis": "$D_{max}$", "minor_axis": "$D_{min}$"}
+    with figure(out / "figure-9.png", "speed (km/s)", "um") as axes:
+        for (key, name), style in zip(keys.items(), ("-", "--", ":"), strict=True):
+            for angle in sorted({row.angle for row in rows}):
+                _line(axes, rows, angle, key, f"{name}, {angle:.0f}°", style, unit=1e-6)
+        axes.legend(fontsize="small", ncols=3)
+    write_table(out / "figure-9.csv", rows, list(keys))
+
+
+def figure_10(rows: Sequence[Row], out: Path) -> None:
+    """Positions of the bottom, C_xb, and of the pithead's centre, C_xs."""
+    keys = {"bottom_x": "$C_{xb}$", "centre_x": "$C_{xs}$"}
+    with figure(out / "figure-10.png", "speed (km/s)", "x in the scraping direction (um)") as axes:
+        for (key, name), style in zip(keys.items(), ("-", "--"), strict=True):
+            for angle in sorted({row.angle for row in rows}):
+                _line(axes, rows, angle, key, f"{name}, {angle:.0f}°", style, unit=1e-6)
+        axes.legend()
+    write_table(out / "figure-10.csv", rows, list(keys))
+
+
+def figure_11(rows: Sequence[Row], out: Path) -> None:
+    """The eccentricity ratios."""
+    with figure(out / "figure-11.png", "speed (km/s)", "$e_1$, $e_2$") as axes:
+        for (key, name), style in zip({"e1": "$e_1$", "e2": "$e_2$"}.items(), ("-", "--"), strict=True):
+            for angle in sorted({row.angle for row in rows}):
+                _line(axes, rows, angle, key, f"{name}, {angle:.0f}°", style)
+        axes.axhline(0.0, color="black", linewidth=0.8)
+        axes.legend()
+    write_table(out / "figure-11.csv", rows, ["e1", "e2"])
+
+
+def figure_12(rows: Sequence[Row], out: Path) -> None:
+    """The shape factors."""
+    keys = {"depth_over_major_axis": "$C_p/D_{max}$", "depth_over_minor_axis": "$C_p/D_{min}$"}
+    with figure(out / "figure-12.png", "speed (km/s)", "shape factor") as axes:
+        for (key, name), style in zip(keys.items(), ("-", "--"), strict=True):
+            for angle in sorted({row.angle for row in rows}):
+                _line(axes, rows, angle, key, f"{name}, {angle:.0f}°", style)
+        axes.axhline(0.5, color="black", linewidth=0.8, linestyle=":")
+        axes.legend()
+    write_table(out / "figure-12.csv", rows, list(keys))
+
+
+def _errorbars(axes: Axes, rows: Sequence[Row], key: str, name: str) -> None:
+    axes.errorbar(
+        [row.speed / 1e3 for row in rows],
+        [row[key] for row in rows],
+        [row.spread(key) for row in rows],
+        fmt="o-",
+        capsize=3,
+        label=name,
+    )
+
+
+def _line(
+    axes: Axes, rows: Sequence[Row], angle: float, key: str, name: str, style: str, *, unit: float = 1.0
+) -> None:
+    of = [row for row in rows if row.angle == angle and row.get(key) is not None]
+    axes.plot(
+        [row.speed / 1e3 for row in of],
+        [row[key] / unit for row in of],
+        style + MARKS[round(angle)],
+        label=name,
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,31 @@
+"""Figure 4: craters with contact and friction, and with sticky contact."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from reporting import Row, figure, write_table
+
+from pockmark.run import surface_of_run
+
+
+def profile_figure(rows: Sequence[Row], runs: Path, out: Path) -> None:
+    """Profiles on the plane of symmetry of the runs of the group `friction`, and of the sticky one beside them."""
+    frictional = [row for row in rows if row.friction is not None]
+    if not frictional:
+        return
+    like = frictional[0]
+    sticky = [r for r in rows if r.friction is None and (r.angle, r.speed) == (like.angle, like.speed)][-1:]
+    with figure(out / "figure-4.png", "x (um)", "z (um)") as axes:
+        for row, style in zip([*sticky, *frictional], ["k-", *["-"] * len(frictional)], strict=True):
+            surface = surface_of_run(runs / row.scene)
+            line = max(surface.section(1, 0.0), key=len) * 1e6 if surface else []
+            name = "sticky" if row.friction is None else f"friction {row.friction:g}"
+            axes.plot(*zip(*line, strict=True), style, linewidth=1, label=name)
+        axes.set_aspect("equal")
+        axes.legend(fontsize="small")
+    write_table(
+        out / "figure-4.csv",
+        [*sticky, *frictional],
+        ["depth", "major_axis", "minor_axis", "volume"],
+        {"friction": [row.friction for row in [*sticky, *frictional]]},
+    )
