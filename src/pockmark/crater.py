@@ -19,17 +19,18 @@ SIGMA = 1 / math.sqrt(
 )  # standard deviation of a surface that lies evenly within one point spacing, in spacings
 SECTORS = 36  # directions that the rim's crest is looked for in
 FIT_RADIUS = 3.0  # of the bottom's paraboloid, spacings
+PATCH = 16  # columns of a cell's area, whose heights err together
 
 
 @dataclass(frozen=True)
 class Crater:
-    """Depth C_p below z = 0 (m), place of the bottom (x, y; m), radius of curvature there along x (m), volume (m^3) below
+    """Depth C_p below z = 0 (m), centre of the bottom (x, y; m) and its standard uncertainty along x (m), volume (m^3) below
     z = 0, mean height of the rim's crest (m); of the pithead the contour (n, 2; m) at z = 0, its ellipse and the
     diameter D_c (m) of the circle of its area: None where no closed edge lies around the bottom."""
 
     depth: float
     bottom: tuple[float, float]
-    bottom_radius: float
+    bottom_uncertainty: float
     volume: float
     rim_height: float
     diameter: float | None
@@ -50,9 +51,10 @@ def measure_crater(surface: Surface) -> Crater | None:
     floor = _without_pits(_floor(surface), surface.spacing)
     smooth = ndimage.gaussian_filter(floor, 1.4)
     i, j = (int(n) for n in np.unravel_index(np.argmin(smooth), floor.shape))
-    bottom, depth, radius = _bottom(surface, floor, i, j)
+    depth = _depth(surface, floor, i, j)
     if depth < 0.5 * surface.spacing:
         return None
+    bottom, uncertainty = _bottom(surface, floor, i, j, depth)
     bowl = _bowl(surface, i, j)
     contour = _pithead(surface, bowl, depth)
     pithead = None if contour is None else fit_ellipse(contour)
@@ -61,7 +63,7 @@ def measure_crater(surface: Surface) -> Crater | None:
     return Crater(
         depth,
         bottom,
-        radius,
+        uncertainty,
         _volume(surface, bowl, depth, area),
         _rim_height(surface, centre),
         None if area is None else 2 * math.sqrt(area / math.pi),
@@ -92,9 +94,9 @@ def _without_pits(floor: Array, spacing: float) -> Array:
     return np.where(floor < median - spacing, median, floor)
 
 
-def _bottom(surface: Surface, floor: Array, i: int, j: int) -> tuple[tuple[float, float], float, float]:
-    """Place (x, y), depth and radius of curvature along x of the vertex of a paraboloid fitted to the floor around
-    column (i, j), m; the paraboloid's at the column, and an infinite radius, if it has no vertex there."""
+def _depth(surface: Surface, floor: Array, i: int, j: int) -> float:
+    """Depth of the vertex of a paraboloid fitted to the floor around column (i, j), m; the paraboloid's at the column
+    if it has no vertex there."""
     radius = FIT_RADIUS * surface.spacing
     dx, dy = np.meshgrid(surface.x - surface.x[i], surface.y - surface.y[j], indexing="ij")
     near = dx**2 + dy**2 <= radius**2
@@ -102,14 +104,39 @@ def _bottom(surface: Surface, floor: Array, i: int, j: int) -> tuple[tuple[float
     basis = np.stack([np.ones_like(u), u, v, u**2, u * v, v**2], axis=1)
     a, b, c, d, e, f = np.linalg.lstsq(basis, floor[near], rcond=None)[0]
     hessian = np.array([[2 * d, e], [e, 2 * f]])
-    at, depth, curvature = (float(surface.x[i]), float(surface.y[j])), -float(a), math.inf
     if np.all(np.linalg.eigvalsh(hessian) > 0):
         vertex = -np.linalg.solve(hessian, [b, c])
         if float(vertex @ vertex) <= 1.0:
-            at = (at[0] + radius * float(vertex[0]), at[1] + radius * float(vertex[1]))
-            depth = -float(a + 0.5 * (b * vertex[0] + c * vertex[1]))
-            curvature = float(radius**2 / (2 * d))
-    return at, depth, curvature
+            return -float(a + 0.5 * (b * vertex[0] + c * vertex[1]))
+    return -float(a)
+
+
+def _bottom(
+    surface: Surface, floor: Array, i: int, j: int, depth: float
+) -> tuple[tuple[float, float], float]:
+    """Centre (x, y) of the bowl's bottom around column (i, j) and the standard uncertainty of its x, m.
+
+    The centres of gravity of what lies deeper than .95 and than .9 of the depth are extrapolated to the depth, as the
+    slices of a tilted bowl shift. The vertex of a fit is no use here: the floor of an oblique crater is flat, with
+    grooves a cell apart.
+    """
+    (x, y, noise), (x1, y1, noise1) = (
+        _deep_centre(surface, floor, i, j, part * depth) for part in (0.95, 0.9)
+    )
+    return (2 * x - x1, 2 * y - y1), math.hypot(2 * noise, noise1)
+
+
+def _deep_centre(surface: Surface, floor: Array, i: int, j: int, depth: float) -> tuple[float, float, float]:
+    """Centre of gravity x, y of the bowl around column (i, j) below `depth`, and the standard uncertainty of x, m: the
+    height of each patch of a cell is off by SIGMA spacings, independently."""
+    excess = -floor - depth
+    excess[i, j] = max(excess[i, j], 1e-3 * depth)  # the column itself always counts
+    labels, _ = ndimage.label(excess > 0)
+    excess = np.where(labels == labels[i, j], excess, 0.0)
+    x = float(np.average(surface.x, weights=excess.sum(axis=1)))
+    y = float(np.average(surface.y, weights=excess.sum(axis=0)))
+    arm = float((surface.x - x) ** 2 @ np.count_nonzero(excess, axis=1))
+    return x, y, SIGMA * surface.spacing * math.sqrt(PATCH * arm) / float(excess.sum())
 
 
 def _bowl(surface: Surface, i: int, j: int) -> Array:

@@ -7,7 +7,7 @@ levels 1/2 - 1/sqrt(12) and 1/2 + 1/sqrt(12) are the surface moved by delta eith
 
 import math
 
-from .crater import FIT_RADIUS, SIGMA, Crater
+from .crater import SIGMA, Crater
 
 LEVELS = (0.5 - SIGMA, 0.5 + SIGMA)
 
@@ -19,7 +19,7 @@ def uncertainties(
 
     Half the difference of the measures of the `shifted` craters (at LEVELS); for centre, bottom, e1 and e2, which a
     common shift leaves as they are, what follows if either end of the axes is off by delta, and the floor by delta
-    across the radius of the bottom's fit.
+    cell by cell.
     """
     delta = SIGMA * spacing
     low, high = shifted
@@ -27,8 +27,7 @@ def uncertainties(
     for key in ("depth", "diameter", "volume", "rim_height"):
         a, b = (None if c is None else getattr(c, key) for c in (low, high))
         out[key] = None if a is None or b is None else abs(b - a) / 2
-    bottom = delta / (FIT_RADIUS * spacing) * crater.bottom_radius
-    out["bottom_x"] = bottom if math.isfinite(bottom) else None
+    bottom = out["bottom_x"] = crater.bottom_uncertainty
     if crater.pithead is None:
         return out
     axis, e = math.sqrt(2) * delta, crater.pithead
@@ -37,7 +36,7 @@ def uncertainties(
     if low and high and low.pithead and high.pithead:
         out["major_axis"] = abs(high.pithead.major - low.pithead.major) / 2
         out["minor_axis"] = abs(high.pithead.minor - low.pithead.minor) / 2
-    out["e1"] = 2 * math.hypot(axis / 2, bottom) / e.major if math.isfinite(bottom) else None
+    out["e1"] = 2 * math.hypot(axis / 2, bottom) / e.major
     out["e2"] = (math.sqrt(1 - narrow**2) - math.sqrt(1 - wide**2)) / 2
     if (u := out["depth"]) is not None:
         for key, d in (("depth_over_major_axis", e.major), ("depth_over_minor_axis", e.minor)):
