@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 
 from . import _core
-from .bodies import Block, Sphere
+from .bodies import Block, Body
 from .lattice import block_counts, count
 from .scene import Scene
 
@@ -71,10 +71,10 @@ def _impact_warnings(scene: Scene) -> list[str]:
     return out
 
 
-def _lattice_warnings(body: Block | Sphere, scene: Scene) -> list[str]:
+def _lattice_warnings(body: Body, scene: Scene) -> list[str]:
     """Whether the points are enough for the body and the grid, and lie where the body is written."""
     out = []
-    if isinstance(body, Sphere) and round(2 * body.radius / body.spacing) < 4:
+    if not isinstance(body, Block) and round(2 * body.balls[0].reach) < 4:
         out.append("fewer than 4 points across the sphere")
     per_cell = scene.grid.cell / body.spacing
     if per_cell < 2:
@@ -86,7 +86,7 @@ def _lattice_warnings(body: Block | Sphere, scene: Scene) -> list[str]:
     return out
 
 
-def _face_warnings(projectile: Block | Sphere, scene: Scene) -> list[str]:
+def _face_warnings(projectile: Body, scene: Scene) -> list[str]:
     """Faces, the one under the target included, that lie closer than two diameters."""
     lower, upper = projectile.box
     diameter = upper[2] - lower[2]
@@ -106,10 +106,10 @@ def _face_warnings(projectile: Block | Sphere, scene: Scene) -> list[str]:
     ]
 
 
-def _surface_offset(body: Block | Sphere) -> float:
+def _surface_offset(body: Body) -> float:
     """How far the points reach beyond a block's upper face in z, or a sphere's radius, m; negative if short of it."""
-    if isinstance(body, Sphere):
-        return body.points_a_radius * body.spacing - body.radius
+    if not isinstance(body, Block):
+        return body.balls[0].reach * body.spacing - (body.radius or 0.0)
     return block_counts(body)[2] * body.spacing - (body.upper[2] - body.lower[2])
 
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from . import __version__, results
-from .bodies import Sphere
+from .bodies import Block
 from .errors import PockmarkError
 from .lattice import count
 from .plots import HISTORY_COLUMNS, Cast, history_figure, process_figure, slice_figure
@@ -223,8 +223,9 @@ def _slice_plane(scene: Scene) -> float:
     for mirror in scene.mirrors:
         if mirror.axis == 1:
             return mirror.at
-    lower, upper = scene.body[scene.projectiles[0]].box if scene.projectiles else scene.grid.box
-    return (lower[1] + upper[1]) / 2
+    if scene.projectiles:
+        return scene.body[scene.projectiles[0]].axis[1]
+    return (scene.grid.lower[1] + scene.grid.corner[1]) / 2
 
 
 def _target_spacing(scene: Scene) -> float:
@@ -242,6 +243,6 @@ def _projectile_diameter(scene: Scene) -> float:
     if not scene.projectiles:
         return 0.0
     body = scene.body[scene.projectiles[0]]
-    if isinstance(body, Sphere):
-        return 2 * body.points_a_radius * body.spacing
+    if not isinstance(body, Block):
+        return 2 * body.balls[0].reach * body.spacing
     return body.upper[2] - body.lower[2]

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from .bodies import Block, Body, Sphere, Vector, overlap
+from .bodies import Body, Sphere, Swarm, Vector, overlap
 from .errors import PockmarkError, found
 from .lattice import count, size
 from .materials import Material, Model, complete
@@ -149,8 +149,10 @@ class Scene(Model):
     grid: Grid
     boundary: Boundary = Boundary()
     impact: Impact
-    body: Annotated[tuple[Body, ...], Field(min_length=1)]
     materials: dict[str, Material]
+    body: Annotated[
+        tuple[Body, ...], Field(min_length=1)
+    ]  # after the materials, whose density a swarm's flux needs
     contact: Contact | None = None
     numerics: Numerics = Numerics()
     output: Output = Output()
@@ -175,6 +177,17 @@ class Scene(Model):
             raise PockmarkError(f"{source}: {sentence(error)}") from None
         except PockmarkError as error:
             raise PockmarkError(f"{source}: {error}") from None
+
+    @field_validator("body")
+    @classmethod
+    def _swarms_are_resolved(cls, bodies: tuple[Body, ...], known: ValidationInfo) -> tuple[Body, ...]:
+        materials = known.data.get("materials", {})  # none if they are faulty themselves
+        return tuple(
+            _resolved(body, materials[body.material].density)
+            if isinstance(body, Swarm) and body.material in materials
+            else body
+            for body in bodies
+        )
 
     @model_validator(mode="after")
     def _can_be_saved(self) -> Self:
@@ -235,7 +248,7 @@ class Scene(Model):
                 raise ValueError(f"output.{key}: found {interval:g} s, {least}")
         return self
 
-    def _check_inside(self, key: str, body: Block | Sphere) -> None:
+    def _check_inside(self, key: str, body: Body) -> None:
         """A body lies in the grid; a sphere may be cut by a symmetry plane through its centre."""
         tolerance = 1e-9 * self.grid.cell
         lower, upper = body.box
@@ -307,6 +320,19 @@ def _check_laws(name: str, material: Material) -> None:
         material.to_core()
     except ValueError as error:
         raise ValueError(f"materials.{name}: {error}") from None
+
+
+def _resolved(swarm: Swarm, density: float) -> Swarm:
+    """With what follows from its flux, its balls known to fit."""
+    try:
+        swarm = swarm.resolved(density)
+        if not swarm.centers:
+            raise ValueError(
+                "has no ball: the patch is smaller than a pitch, or the flux less than one ball's"
+            )
+    except ValueError as error:
+        raise ValueError(f"'{swarm.name}': {error}") from None
+    return swarm
 
 
 def _materials_used(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -113,10 +113,7 @@ def current_depth(simulation: Simulation) -> float:
     """Depth of the target's surface on the axis of the first projectile now, m; a quick estimate, not C_p."""
     scene = simulation.scene
     target = scene.body[scene.targets[0]] if scene.targets else scene.body[0]
-    axis = (0.0, 0.0)
-    if scene.projectiles:
-        lower, upper = scene.body[scene.projectiles[0]].box
-        axis = ((lower[0] + upper[0]) / 2, (lower[1] + upper[1]) / 2)
+    axis = scene.body[scene.projectiles[0]].axis if scene.projectiles else (0.0, 0.0)
     z, body = simulation.column(*axis, scene.grid.cell)
     return _top_of_column(z[np.isin(body, scene.targets)], gap=2 * scene.grid.cell, spacing=target.spacing)
 

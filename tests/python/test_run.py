@@ -118,7 +118,7 @@ def test_forecast_warns():
     text = " ".join(forecast(scene, 1).warnings)
     assert "1 points a cell" in text
     coarse = Scene.load(EXAMPLES / "group-4500.toml").to_dict()
-    coarse["body"][1]["spacing"] = 5e-6
+    coarse["body"][1]["spacing"] = 6e-6
     assert any("fewer than 4 points" in w for w in forecast(Scene.from_dict(coarse), 1).warnings)
 
 

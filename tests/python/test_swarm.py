@@ -1,0 +1,117 @@
+"""Swarms: the paper's lattice of spheres (Liu et al. 2015, Eq. 29 and Table 3), and random places."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pockmark import PockmarkError, Scene
+from pockmark.bodies import Swarm
+from pockmark.lattice import count, lattice
+from pockmark.points import make_points
+from pockmark.toml import read_toml
+
+GROUP = Path(__file__).parents[2] / "examples" / "group-4500.toml"
+DENSITY = 2770.0
+
+
+def swarm(**changes):
+    keys = {
+        "shape": "swarm",
+        "name": "s",
+        "material": "m",
+        "spacing": "0.5 um",
+        "lower": ["-50 um", "0 um"],
+        "upper": ["50 um", "50 um"],
+        "height": "12.5 um",
+    }
+    return Swarm(**(keys | changes)).resolved(DENSITY)
+
+
+@pytest.mark.parametrize(
+    ("flux", "diameter", "rounded"), [(0.1, 7.553, 8), (0.5, 12.916, 13), (1.0, 16.273, 16)]
+)
+def test_the_flux_gives_the_diameter(flux, diameter, rounded):
+    exact = swarm(pitch="25 um", flux=f"{flux} mg/cm^2", rounded=False)
+    whole = swarm(pitch="25 um", flux=f"{flux} mg/cm^2")
+    print(f"{2e6 * exact.radius:.4f} um, rounded {2 * whole.balls[0].reach * 0.5:g} um")
+    assert 2e6 * exact.radius == pytest.approx(diameter, abs=5e-4)
+    assert 2 * whole.balls[0].reach * 0.5 == rounded
+    mass = count(exact) * exact.spacing**3 * DENSITY
+    asked = flux * 1e-2 * 100e-6 * 50e-6  # kg: 1 mg/cm^2 is .01 kg/m^2
+    print(f"mass of the points {mass / asked:.4f} of the flux's")
+    assert mass / asked == pytest.approx(1, rel=0.03)  # points fill a small ball so well
+
+
+def test_the_lattice_is_the_papers():
+    body = swarm(pitch="25 um", flux="1.0 mg/cm^2")
+    x, y, z = np.array(body.centers).T * 1e6
+    assert sorted(zip(x.round(9), y.round(9), strict=True)) == [
+        (a, b) for a in (-37.5, -12.5, 12.5, 37.5) for b in (12.5, 37.5)
+    ]
+    assert set(z.round(9)) == {12.5}
+    assert count(body) == len(lattice(body)) == 8 * 17_256  # Table 3, model 3
+
+
+def test_random_places_are_apart_and_come_again_with_the_seed():
+    first, again, other = (swarm(seed=seed, radius="4 um", flux="0.5 mg/cm^2") for seed in (1, 1, 2))
+    places = np.array(first.centers)[:, :2]
+    apart = np.linalg.norm(places[:, None] - places[None], axis=2) + np.eye(len(places))
+    print(f"{len(places)} balls, nearest {apart.min() * 1e6:.2f} um apart")
+    assert len(places) == round(0.5e-2 * 50e-6 * 100e-6 / (4 / 3 * np.pi * 4e-6**3 * DENSITY))
+    assert apart.min() >= 8e-6
+    assert np.all(places >= np.array([-50e-6, 0]) + 4e-6)
+    assert np.all(places <= np.array([50e-6, 50e-6]) - 4e-6)
+    assert first.centers == again.centers != other.centers
+
+
+def at_random(number):
+    """The group's scene with its balls at random places."""
+    table = read_toml(GROUP)
+    swarm = {key: value for key, value in table["body"][1].items() if key not in ("pitch", "flux")}
+    return table | {"body": [table["body"][0], swarm | {"seed": 3, "radius": "8 um", "number": number}]}
+
+
+def test_a_saved_swarm_is_the_same_swarm():
+    scenes = [
+        Scene.load(GROUP),
+        Scene.load(GROUP, ["body.swarm.rounded=false"]),
+        Scene.from_dict(at_random(6)),
+    ]
+    for scene in scenes:
+        again = Scene.from_dict(scene.to_dict())
+        assert again.hash == scene.hash
+        assert again.body[1].centers == scene.body[1].centers
+        pieces = [piece for piece in make_points(scene) if piece.body[0] == 1]
+        assert {tuple(piece.velocity[0]) for piece in pieces} == {scene.impact.velocity}
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (
+            "body.swarm.seed=1",
+            r"body\[1\].*needs either pitch, for balls on a lattice, or seed, for random places",
+        ),
+        (
+            "body.swarm.radius='3 um'",
+            r"body: 'swarm': flux makes the radius 8.13649e-06, found 3e-06: give one of the two",
+        ),
+        ("body.swarm.flux='4 mg/cm^2'", "balls 2.583e-05 m wide overlap at a pitch of 2.5e-05 m"),
+        ("body.swarm.flux='1 mg'", "flux: found '1 mg', expected a quantity in kg/m"),
+        ("body.swarm.pitch='60 um'", "has no ball: the patch is smaller than a pitch"),
+        ("body.swarm.upper=['-60 um', '50 um']", "upper must exceed lower in each direction"),
+        ("body.swarm.height='5 um'", r"body\[1\] 'swarm': overlaps body\[0\] 'target'"),
+        ("body.swarm.number=3", "and no number"),
+    ],
+)
+def test_a_slip_is_one_sentence(change, expected):
+    with pytest.raises(PockmarkError, match=expected) as caught:
+        Scene.load(GROUP, change)
+    print(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_patch_too_full_is_told():
+    with pytest.raises(PockmarkError, match=r"found places for \d+ of 60 balls 1.6e-05 m wide"):
+        Scene.from_dict(at_random(60))
