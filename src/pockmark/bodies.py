@@ -148,6 +148,14 @@ class Swarm(Balls):
         return tuple((x, y, self.height) for x, y in places)
 
     @property
+    def distance(self) -> float:
+        """Of neighbouring balls, m; at random places that of a lattice of as many."""
+        if self.pitch is not None:
+            return self.pitch
+        area = math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))
+        return math.sqrt(area / len(self.centers))
+
+    @property
     def balls(self) -> tuple[Ball, ...]:
         """In the order of the centres."""
         reach = (self.radius or 0.0) / self.spacing

@@ -48,15 +48,15 @@ def measure_target(
 
 def measure_crater(surface: Surface) -> Crater | None:
     """The crater that holds the deepest point of the surface; None if that is less than half a spacing deep."""
-    floor = _without_pits(_floor(surface), surface.spacing)
+    floor = floor_of(surface)
     smooth = ndimage.gaussian_filter(floor, 1.4)
     i, j = (int(n) for n in np.unravel_index(np.argmin(smooth), floor.shape))
     depth = _depth(surface, floor, i, j)
     if depth < 0.5 * surface.spacing:
         return None
     bottom, uncertainty = _bottom(surface, floor, i, j, depth)
-    bowl = _bowl(surface, i, j)
-    contour = _pithead(surface, bowl, depth)
+    bowl = Openings.of(surface).bowl(i, j)
+    contour = bowl.pithead(depth)
     pithead = None if contour is None else fit_ellipse(contour)
     area = None if contour is None else polygon_area(contour)
     centre = pithead.centre if pithead else bottom
@@ -64,7 +64,7 @@ def measure_crater(surface: Surface) -> Crater | None:
         depth,
         bottom,
         uncertainty,
-        _volume(surface, bowl, depth, area),
+        bowl.volume(depth, area),
         _rim_height(surface, centre),
         None if area is None else 2 * math.sqrt(area / math.pi),
         contour,
@@ -82,7 +82,12 @@ def _crossing(surface: Surface, k: NDArray[np.int64]) -> Array:
     return np.asarray(surface.z[k] + np.clip(part, 0.0, 1.0) * step)
 
 
-def _floor(surface: Surface) -> Array:
+def floor_of(surface: Surface) -> Array:
+    """The crater's floor (nx, ny), m, without pits of a column or two."""
+    return _without_pits(_lowest(surface), surface.spacing)
+
+
+def _lowest(surface: Surface) -> Array:
     """Lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor."""
     lowest = np.argmax(surface.fraction <= 0.5, axis=2)
     return _crossing(surface, np.maximum(lowest - 1, 0))
@@ -139,40 +144,76 @@ def _deep_centre(surface: Surface, floor: Array, i: int, j: int, depth: float) -
     return x, y, SIGMA * surface.spacing * math.sqrt(PATCH * arm) / float(excess.sum())
 
 
-def _bowl(surface: Surface, i: int, j: int) -> Array:
-    """The fraction below z = 0 (nx, ny, nz'), solid everywhere but in the crater that is open in column (i, j)."""
-    below = surface.fraction[:, :, surface.z < -0.25 * surface.spacing]
-    labels, _ = ndimage.label(below <= 0.5)
-    column = labels[i, j][labels[i, j] > 0]
-    if len(column) == 0:
-        return np.ones_like(below)
-    crater = ndimage.binary_dilation(labels == column[0], np.ones((3, 3, 3)))
-    return np.where(crater & ((labels == column[0]) | (labels == 0)), below, 1.0)
+@dataclass(frozen=True)
+class Openings:
+    """What is open below z = 0: the solid fraction there (nx, ny, nz'), and a number for each hollow (0: solid)."""
+
+    surface: Surface
+    fraction: Array
+    hollow: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, surface: Surface) -> "Openings":
+        """Of a surface; slices are its nodes below z = 0."""
+        below = surface.fraction[:, :, surface.z < -0.25 * surface.spacing]
+        return cls(surface, below, ndimage.label(below <= 0.5)[0])
+
+    def bowl(self, i: int, j: int) -> "Bowl":
+        """The hollow that is open in column (i, j)."""
+        column = self.hollow[i, j][self.hollow[i, j] > 0]
+        return Bowl(self, int(column[0]) if len(column) else -1)
 
 
-def _pithead(surface: Surface, bowl: Array, depth: float) -> Array | None:
-    """Contour (n, 2) of the crater at z = 0, m, extrapolated from the slices h/2 and 3h/2 below; None if it is open.
+@dataclass(frozen=True)
+class Bowl:
+    """One hollow of a surface: all others count as filled."""
 
-    At z = 0 itself an untouched surface is on the level too. A crater shallower than 2h has no second slice: the
-    contour is that of the first.
-    """
-    upper = bowl[:, :, -1]
-    edges = np.concatenate([upper[0], upper[-1], upper[:, 0], upper[:, -1]])
-    if np.any(edges <= 0.5):
-        return None
-    contour = extrapolated_contour(upper, bowl[:, :, -3] if depth >= 2 * surface.spacing else None)
-    if contour is None:
-        return None
-    return np.array([surface.x[0], surface.y[0]]) + contour * surface.spacing / 2
+    of: Openings
+    number: int
 
+    @property
+    def slices(self) -> int:
+        """How many there are, the last one half a point spacing below z = 0."""
+        return int(self.of.fraction.shape[2])
 
-def _volume(surface: Surface, bowl: Array, depth: float, area: float | None) -> float:
-    """Integral of the slices' areas from z = 0 (the pithead's `area`, or that of the first slice) to -depth, m^3."""
-    heights = surface.z[: bowl.shape[2]]
-    areas = [contour_area(bowl[:, :, k]) * (surface.spacing / 2) ** 2 for k in range(len(heights))]
-    kept = [k for k in range(len(heights)) if heights[k] > -depth]
-    z = [-depth, *(float(heights[k]) for k in kept), 0.0]
-    return float(np.trapezoid([0.0, *(areas[k] for k in kept), areas[-1] if area is None else area], z))
+    def slice(self, k: int) -> Array:
+        """Solid fraction (nx, ny) of the k-th slice from below."""
+        near = self.of.hollow[:, :, max(k - 1, 0) : k + 2] == self.number
+        reached = ndimage.binary_dilation(near.any(axis=2), np.ones((3, 3)))
+        here = self.of.hollow[:, :, k]
+        return np.where(reached & ((here == self.number) | (here == 0)), self.of.fraction[:, :, k], 1.0)
+
+    def pithead(self, depth: float) -> Array | None:
+        """Contour (n, 2) at z = 0, m, extrapolated from the slices h/2 and 3h/2 below; None if it is open.
+
+        At z = 0 itself an untouched surface is on the level too. A crater shallower than 2h has no second slice: the
+        contour is that of the first.
+        """
+        surface, upper = self.of.surface, self.slice(self.slices - 1)
+        edges = np.concatenate([upper[0], upper[-1], upper[:, 0], upper[:, -1]])
+        if np.any(edges <= 0.5):
+            return None
+        # Only around the hollow: a group has many.
+        near = ndimage.find_objects((upper <= 0.5).astype(np.int8))
+        if not near:
+            return None
+        box = tuple(slice(max(0, s.start - 4), s.stop + 4) for s in near[0])
+        lower = self.slice(self.slices - 3)[box] if depth >= 2 * surface.spacing else None
+        contour = extrapolated_contour(upper[box], lower)
+        if contour is None:
+            return None
+        corner = np.array([surface.x[box[0].start], surface.y[box[1].start]])
+        return corner + contour * surface.spacing / 2
+
+    def volume(self, depth: float, area: float | None) -> float:
+        """Integral of the slices' areas from z = 0 (the pithead's `area`, or that of the first slice) to -depth, m^3."""
+        heights = self.of.surface.z[: self.slices]
+        cell = (self.of.surface.spacing / 2) ** 2
+        kept = [k for k in range(self.slices) if heights[k] > -depth]
+        areas = [contour_area(self.slice(k)) * cell for k in kept]
+        top = contour_area(self.slice(self.slices - 1)) * cell if area is None else area
+        z = [-depth, *(float(heights[k]) for k in kept), 0.0]
+        return float(np.trapezoid([0.0, *areas, top], z))
 
 
 def _rim_height(surface: Surface, centre: tuple[float, float]) -> float:

@@ -24,6 +24,14 @@ class Ellipse:
         """sqrt(1 - (D_min / D_max)^2), Eq. 24."""
         return math.sqrt(1 - (self.minor / self.major) ** 2)
 
+    def residual(self, contour: Array) -> float:
+        """Root mean square distance (m) of a contour (n, 2) from the ellipse, to first order."""
+        c, s = math.cos(self.orientation), math.sin(self.orientation)
+        x, y = ((contour - np.array(self.centre)) @ np.array([[c, -s], [s, c]])).T
+        a, b = self.major / 2, self.minor / 2
+        level, slope = (x / a) ** 2 + (y / b) ** 2 - 1, 2 * np.hypot(x / a**2, y / b**2)
+        return float(np.sqrt(np.mean((level / slope) ** 2)))
+
     def e1(self, bottom_x: float) -> float:
         """2 (C_xs - C_xb) / D_max, Eq. 23, as printed: positive where the bottom (x, m) lies on the side of -x."""
         return 2 * (self.centre[0] - bottom_x) / self.major

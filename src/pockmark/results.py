@@ -1,6 +1,7 @@
 """A run's results as numbers with stable keys, SI."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,8 @@ from numpy.typing import NDArray
 from .crater import Crater, measure_crater
 from .ejecta import copies, enhancement, find_ejecta, whole_momentum
 from .lining import lining
+from .modes import measures_of, mode_of
+from .morphology import Group
 from .scene import Mirror
 from .surface import Field, target_field
 from .uncertainty import LEVELS, uncertainties
@@ -88,6 +91,24 @@ def morphology_table(
             "depth_over_minor_axis": crater.depth / ellipse.minor,
         }
     return shape
+
+
+def group_table(group: Group, *, oblique: bool) -> dict[str, Any]:
+    """The craters of a swarm: how many, their depths (m), the mode and what decides it; None below two craters."""
+    table: dict[str, Any] = {"craters": len(group.pits), "ridges": len(group.ridges)}
+    if len(group.pits) < 2:
+        return table
+    depths, measures = [pit.depth for pit in group.pits], measures_of(group)
+    mode = mode_of(measures, oblique=oblique)
+    mean = float(np.mean(depths))
+    return table | {
+        "mode": mode.number,
+        "nearest_mode": mode.nearest,
+        "distance_to_it": mode.distance,
+        "depth_mean": mean,
+        "depth_spread": (max(depths) - min(depths)) / mean,
+        **asdict(measures),
+    }
 
 
 def ejecta_table(

@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from . import __version__, results
-from .bodies import Block
+from .bodies import Block, Swarm
 from .errors import PockmarkError
 from .lattice import count
+from .morphology import Group, measure_group
 from .plots import HISTORY_COLUMNS, Cast, history_figure, process_figure, slice_figure
 from .scene import Scene
 from .simulation import Simulation, Task
@@ -155,6 +156,8 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,
     )
+    if group := _group(field, scene):
+        table["group"] = results.group_table(group, oblique=scene.impact.angle > 0)
     table["ejecta"] = results.ejecta_table(
         snapshot,
         ledger,
@@ -191,6 +194,26 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
         for name, figure in figures.items():
             figure.savefig(target / name, dpi=150)
     return [target / name for name in figures]
+
+
+def group_of_run(path: str | Path) -> Group | None:
+    """The craters of the swarm in the last snapshot of a run folder; None without a swarm or a crater."""
+    folder = RunFolder.open(path)
+    scene = folder.scene()
+    return _group(_field(folder.last_snapshot(), scene), scene)
+
+
+def _group(field: Field | None, scene: Scene) -> Group | None:
+    swarms = [body for i in scene.projectiles if isinstance(body := scene.body[i], Swarm)]
+    if not swarms or field is None:
+        return None
+    centers = np.array(swarms[0].centers)
+    hits = centers[:, :2] + np.outer(centers[:, 2], [math.tan(scene.impact.angle), 0.0])
+    for mirror in scene.mirrors:
+        image = hits.copy()
+        image[:, mirror.axis] = 2 * mirror.at - image[:, mirror.axis]
+        hits = np.concatenate([hits, image])
+    return measure_group(field.surface(), hits, swarms[0].distance)
 
 
 def surface_of_run(path: str | Path) -> Surface | None:

@@ -1,0 +1,136 @@
+"""The mode of a group of craters, by rules: Liu et al. 2015, Figs. 17 and 18, found there by eye.
+
+| mode, normal | oblique | |
+|---|---|---|
+| I | I | the craters are apart and alike |
+| II | II | apart, but inside ones differ from outside ones in size or shape |
+| | III | inside ones are no ellipses any more |
+| | IV | nor are outside ones |
+| III | V | most neighbours along the scraping direction are linked (normal impact: along either) |
+| | VI | and most along the other direction |
+| IV | VII | most ridges are gone: one bottom |
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+
+from .morphology import Group, Pit
+
+# The same for every run; docs/metrology.md says where each comes from.
+THRESHOLDS = {
+    "linked_along": 0.5,
+    "linked_across": 0.5,
+    "levelled": 0.5,
+    "unlike": 0.1,
+    "irregular_inside": 0.05,
+    "irregular_outside": 0.05,
+}
+LEVEL = 0.1  # a ridge lower than this share of the depth is gone
+ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII")
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What decides the mode. Shares of the pairs of neighbours along the scraping direction and across that are linked,
+    and of all ridges that are levelled; how far inside craters differ from outside ones in an axis or in the axes' ratio;
+    median distance from an ellipse over the mean radius of inside and of outside craters."""
+
+    linked_along: float
+    linked_across: float
+    levelled: float
+    unlike: float
+    irregular_inside: float
+    irregular_outside: float
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A mode, 1 and up, and the nearest other one: it would be that if one measure changed by `distance` thresholds."""
+
+    number: int
+    nearest: int
+    distance: float
+
+    @property
+    def roman(self) -> str:
+        """As the paper numbers them."""
+        return ROMAN[self.number - 1]
+
+
+def measures_of(group: Group) -> Measures:
+    """Of a group with two craters or more."""
+    inside, outside = _by_place(group)
+    along, across = (
+        [ridge for ridge in group.ridges if ridge.along == direction] for direction in ("x", "y")
+    )
+    return Measures(
+        _share([ridge.height < -group.spacing / 2 for ridge in along]),
+        _share([ridge.height < -group.spacing / 2 for ridge in across]),
+        _share([ridge.prominence(group.pits) < LEVEL for ridge in group.ridges]),
+        _difference(inside, outside),
+        _irregularity(inside),
+        _irregularity(outside),
+    )
+
+
+def mode_of(measures: Measures, *, oblique: bool) -> Mode:
+    """The mode, and how near the next one is."""
+    number = _number(measures, oblique)
+    others = []
+    for name, threshold in THRESHOLDS.items():
+        value = getattr(measures, name)
+        across = threshold * (0.999 if value > threshold else 1.001)
+        other = _number(replace(measures, **{name: across}), oblique)
+        if other != number:
+            others.append((abs(value - threshold) / threshold, other))
+    distance, nearest = min(others)
+    return Mode(number, nearest, distance)
+
+
+def _number(measures: Measures, oblique: bool) -> int:
+    is_over = {name: value > THRESHOLDS[name] for name, value in asdict(measures).items()}
+    if is_over["levelled"]:
+        return 7 if oblique else 4
+    if not oblique:
+        return 3 if is_over["linked_along"] or is_over["linked_across"] else 1 + int(is_over["unlike"])
+    if is_over["linked_along"]:
+        return 6 if is_over["linked_across"] else 5
+    if is_over["irregular_inside"]:
+        return 4 if is_over["irregular_outside"] else 3
+    return 1 + int(is_over["unlike"])
+
+
+def _by_place(group: Group) -> tuple[list[Pit], list[Pit]]:
+    """The craters with the most neighbours, and those with the fewest; all for both where all have as many."""
+    neighbours = np.zeros(max(len(group.pits), 1), dtype=int)
+    for ridge in group.ridges:
+        neighbours[list(ridge.pair)] += 1
+    return tuple(  # type: ignore[return-value]
+        [pit for pit, n in zip(group.pits, neighbours, strict=False) if n == end]
+        for end in (neighbours.max(), neighbours.min())
+    )
+
+
+def _difference(inside: Sequence[Pit], outside: Sequence[Pit]) -> float:
+    """Of the median axes and of their ratio, as a share of the outside ones."""
+    shapes = [
+        np.median([(e.major, e.minor, e.major / e.minor) for p in pits if (e := p.ellipse)], axis=0)
+        for pits in (inside, outside)
+        if any(p.ellipse for p in pits)
+    ]
+    return float(np.max(np.abs(shapes[0] / shapes[1] - 1))) if len(shapes) == 2 else 0.0
+
+
+def _irregularity(pits: Sequence[Pit]) -> float:
+    found = [
+        p.residual / ((p.ellipse.major + p.ellipse.minor) / 4)
+        for p in pits
+        if p.ellipse is not None and p.residual is not None
+    ]
+    return float(np.median(found)) if found else 0.0
+
+
+def _share(of: Sequence[bool]) -> float:
+    return sum(of) / len(of) if of else 0.0

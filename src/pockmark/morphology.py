@@ -1,0 +1,127 @@
+"""What a group of craters looks like: their pitheads, bottoms, and the ridges between neighbours.
+
+The definitions, and the thresholds of the modes, are in docs/metrology.md.
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+from skimage.segmentation import watershed
+
+from .crater import Openings, floor_of
+from .ellipse import Ellipse, fit_ellipse
+from .surface import Surface
+
+Array = NDArray[np.float64]
+SMOOTH = 1.4  # nodes: the deviation of the Gaussian that the floor is smoothed with to find bottoms; it would level ridges
+
+
+@dataclass(frozen=True)
+class Pit:
+    """One crater of a group: place of its lowest point (x, y; m), depth below z = 0 (m), contour of its pithead (n, 2; m)
+    and the ellipse fitted to it, with the root mean square distance (m) between the two. Joined craters share a pithead;
+    none where it is open at the edge."""
+
+    place: tuple[float, float]
+    depth: float
+    contour: Array | None
+    ellipse: Ellipse | None
+    residual: float | None
+
+
+@dataclass(frozen=True)
+class Ridge:
+    """Between two neighbouring craters (their numbers): height (m) of its lowest pass above z = 0, negative below."""
+
+    pair: tuple[int, int]
+    along: str  # "x", the scraping direction, or "y"
+    height: float
+
+    def prominence(self, pits: Sequence[Pit]) -> float:
+        """How far it stands above the shallower of its two bottoms, as a share of the deeper one's depth."""
+        depths = [pits[i].depth for i in self.pair]
+        return (self.height + min(depths)) / max(depths)
+
+
+@dataclass(frozen=True)
+class Group:
+    """The craters of a group and the ridges between neighbours; point spacing m."""
+
+    pits: list[Pit]
+    ridges: list[Ridge]
+    spacing: float
+
+
+def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
+    """The craters nearest to where the balls hit: `centers` (n, 2) of all balls, mirror images included, and the distance
+    of neighbours, m. Places without a crater deeper than half a spacing are left out."""
+    floor = floor_of(surface)
+    smooth = ndimage.gaussian_filter(floor, SMOOTH)
+    found = [_lowest_near(surface, smooth, center, pitch / 2) for center in centers]
+    places = {n: ij for n, ij in enumerate(found) if ij and smooth[ij] < -surface.spacing / 2}
+    markers = np.zeros(floor.shape, dtype=np.int32)
+    for label, ij in enumerate(places.values(), 1):
+        markers[ij] = label
+    basins = watershed(smooth, markers)  # type: ignore[no-untyped-call]
+    openings = Openings.of(surface)
+    bowls = [openings.bowl(*ij) for ij in places.values()]
+    depths = [-float(smooth[ij]) for ij in places.values()]
+    # Linked craters share a hollow, whose pithead is measured once, with the depth of the deepest.
+    deepest: dict[int, float] = {}
+    for bowl, depth in zip(bowls, depths, strict=True):
+        deepest[bowl.number] = max(depth, deepest.get(bowl.number, 0.0))
+    pitheads = {
+        bowl.number: bowl.pithead(deepest[bowl.number]) for bowl in {b.number: b for b in bowls}.values()
+    }
+    pits = [
+        _pit((float(surface.x[i]), float(surface.y[j])), depth, pitheads[bowl.number])
+        for (i, j), depth, bowl in zip(places.values(), depths, bowls, strict=True)
+    ]
+    ridges = [
+        Ridge((a, b), along, height)
+        for (a, na), (b, nb) in itertools.combinations(enumerate(places), 2)
+        if (along := _direction(centers[nb] - centers[na], pitch))
+        and (height := _pass(floor, basins, a + 1, b + 1)) is not None
+    ]
+    return Group(pits, ridges, surface.spacing)
+
+
+def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -> tuple[int, int] | None:
+    """Column of the lowest point of the floor within `radius` of a place; None off the surface."""
+    dx, dy = np.meshgrid(surface.x - center[0], surface.y - center[1], indexing="ij")
+    near = np.maximum(abs(dx), abs(dy)) <= radius
+    if not near.any():
+        return None
+    i, j = np.unravel_index(np.argmin(np.where(near, floor, np.inf)), floor.shape)
+    return int(i), int(j)
+
+
+def _pit(place: tuple[float, float], depth: float, contour: Array | None) -> Pit:
+    ellipse = None if contour is None else fit_ellipse(contour)
+    residual = None if contour is None or ellipse is None else ellipse.residual(contour)
+    return Pit(place, depth, contour, ellipse, residual)
+
+
+def _direction(apart: Array, pitch: float) -> str:
+    """Along which axis two balls are neighbours; empty if they are not."""
+    for axis, name in enumerate("xy"):
+        if abs(abs(apart[axis]) - pitch) < 0.5 * pitch and abs(apart[1 - axis]) < 0.5 * pitch:
+            return name
+    return ""
+
+
+def _pass(floor: Array, basins: NDArray[np.int32], a: int, b: int) -> float | None:
+    """The lowest height at which one gets from a basin to another directly; None if they do not touch."""
+    lowest = math.inf
+    for axis in (0, 1):
+        first, second = (np.take(basins, range(n, basins.shape[axis] - 1 + n), axis=axis) for n in (0, 1))
+        high = np.maximum(*(np.take(floor, range(n, floor.shape[axis] - 1 + n), axis=axis) for n in (0, 1)))
+        border = ((first == a) & (second == b)) | ((first == b) & (second == a))
+        if border.any():
+            lowest = min(lowest, float(high[border].min()))
+    return lowest if math.isfinite(lowest) else None
