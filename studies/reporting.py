@@ -25,13 +25,15 @@ class Row:
         self.speed = to_si(cells["impact.speed"], "m/s")
         self.angle = round(math.degrees(to_si(cells["impact.angle"], "rad")), 6)
         self.friction = float(cells["contact.friction"]) if cells.get("contact.friction") else None
+        flux = cells.get("body.swarm.flux")
+        self.flux = to_si(flux, "kg/m^2") if flux else None
         self.fault = cells["fault"]
         self.groups = cells["groups"].split()
         self.scene = cells["scene"]
 
     def get(self, key: str) -> float | None:
-        """A measure of the crater, SI, None if there is none."""
-        text = self.cells.get(f"crater.{key}")
+        """A measure of the crater, or of the group ("group.mode"), SI, None if there is none."""
+        text = self.cells.get(key if "." in key and key in self.cells else f"crater.{key}")
         return float(text) if text else None
 
     def __getitem__(self, key: str) -> float:
@@ -50,7 +52,8 @@ class Row:
     def label(self) -> str:
         """What was swept."""
         friction = "" if self.friction is None else f", friction {self.friction:g}"
-        return f"{self.speed:g} m/s, {self.angle:g} deg{friction}"
+        flux = "" if self.flux is None else f", {self.flux * 100:g} mg/cm2"
+        return f"{self.speed:g} m/s, {self.angle:g} deg{friction}{flux}"
 
 
 def read_results(path: Path) -> list[Row]:

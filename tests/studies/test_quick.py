@@ -70,6 +70,31 @@ def test_a_quick_campaign_shows_what_the_paper_says(study, tmp_path):
     assert {path.stem for path in tmp_path.glob("figure-*.png")} >= {f"figure-{n}" for n in range(4, 13)}
 
 
+def test_the_quick_form_of_the_group_finds_the_papers_modes_at_high_speed(tmp_path):
+    """At 700 m/s small balls leave less than half a point spacing in its coarse target."""
+    command = [
+        sys.executable,
+        "-m",
+        "pockmark",
+        "study",
+        "particle-group",
+        "--quick",
+        "--jobs",
+        "2",
+        "-o",
+        tmp_path,
+    ]
+    subprocess.run([*map(str, command)], cwd=ROOT, check=True, timeout=600)
+    with (tmp_path / "table-4.csv").open(newline="", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["speed_m/s"] == "4500"]
+    found = {(row["angle_deg"], row["flux_mg/cm2"]): (row["paper"], row["ours"]) for row in rows}
+    print(found)
+    assert found["0", "1"] == ("c", "c")
+    assert found["30", "1"] == ("f", "f")
+    assert all(abs(ord(paper) - ord(ours)) <= 1 for paper, ours in found.values())
+    assert (tmp_path / "figure-17c.png").exists()
+
+
 def test_committed_tables_name_the_version_that_made_them():
     tables = sorted((ROOT / "studies").rglob("*.csv"))
     assert tables

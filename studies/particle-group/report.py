@@ -1,0 +1,195 @@
+"""Tables 4 and 5 and Figures 15 to 19 of Liu et al. 2015 from the runs of this campaign, and what they say.
+
+python studies/particle-group/report.py RESULTS.csv RUNS OUT: `pockmark study particle-group` calls it so.
+"""
+
+import csv
+import math
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+import numpy as np
+import paper
+from reporting import Row, Statement, figure, keep_statements, read_results
+from slices import mode_pages, process_pages
+
+from pockmark.scaling import Fit, energy_flux, fit_depth, sphere_diameter
+
+DENSITY, STRENGTH = 2770.0, 265e6
+J_CM2 = 1e4  # J/m^2
+LETTERS = "abcdefg"
+
+
+def main() -> None:
+    """Make what the table has runs for."""
+    results, runs, out = map(Path, sys.argv[1:4])
+    rows = [row for row in read_results(results) if not row.fault]
+    swept = [row for row in rows if "modes" in row.groups]
+    table_4(swept, out)
+    confusion(swept, out)
+    table_5(swept, out)
+    found = [*_modes(swept), *_depths(swept), *figure_19(swept, out)]
+    mode_pages(swept, runs, out)
+    process_pages(rows, runs, out)
+    keep_statements(found, out / "trends.csv")
+
+
+def table_4(rows: Sequence[Row], out: Path) -> None:
+    """The mode of each run, the paper's beside it."""
+    keys = [
+        "nearest_mode",
+        "distance_to_it",
+        "depth_mean",
+        "depth_spread",
+        "linked_along",
+        "linked_across",
+        "levelled",
+    ]
+    keys += ["unlike", "irregular_inside", "irregular_outside"]
+    with (out / "table-4.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(
+            ["angle_deg", "flux_mg/cm2", "speed_m/s", "paper", "ours", *keys, "version", "commit"]
+        )
+        for row in rows:
+            values = [row.get(f"group.{key}") for key in keys]
+            writer.writerow(
+                [
+                    f"{row.angle:g}",
+                    f"{row.flux * 100:g}",
+                    f"{row.speed:g}",
+                    LETTERS[_paper(row) - 1],
+                    LETTERS[_ours(row) - 1] if _ours(row) else "none",
+                    *("" if value is None else f"{value:.4g}" for value in values),
+                    row.cells["version"],
+                    row.cells["commit"],
+                ]
+            )
+
+
+def confusion(rows: Sequence[Row], out: Path) -> None:
+    """How often each of the paper's modes is which of ours, for normal and for oblique impact."""
+    with (out / "confusion.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["paper", "none", *LETTERS])
+        for name, part in (
+            ("17", [r for r in rows if r.angle == 0]),
+            ("18", [r for r in rows if r.angle > 0]),
+        ):
+            for mode in range(1, 8):
+                ours = Counter(_ours(row) for row in part if _paper(row) == mode)
+                if ours:
+                    writer.writerow([f"{name}{LETTERS[mode - 1]}", *(ours[n] for n in range(8))])
+
+
+def table_5(rows: Sequence[Row], out: Path) -> None:
+    """Ranges of the energy fluxes (J/cm^2) of each of our modes; the paper's, with their misprints named."""
+    with (out / "table-5.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        names = ["E_f min", "E_f max", "E_f^n min", "E_f^n max"]
+        writer.writerow(
+            ["angle_deg", "mode", *(f"{n} ours" for n in names), *(f"{n} paper" for n in names), "misprint"]
+        )
+        for angle in (0, 15, 30):
+            for n, letter in enumerate(LETTERS, 1):
+                fluxes = [_energy(row) for row in rows if row.angle == angle and _ours(row) == n]
+                printed = paper.TABLE_5.get((angle, letter))
+                if not fluxes and not printed:
+                    continue
+                total, normal = zip(*fluxes, strict=True) if fluxes else ((), ())
+                ours = [min(total), max(total), min(normal), max(normal)] if fluxes else [None] * 4
+                shown = ["" if v is None else f"{v:.4g}" for v in (*ours, *(printed or [None] * 4))]
+                writer.writerow([angle, letter, *shown, paper.MISPRINTS.get((angle, letter), "")])
+
+
+def figure_19(rows: Sequence[Row], out: Path) -> list[Statement]:
+    """The mean depths against the normal speed, and the fit of Eq. 31 with its intervals."""
+    known = [row for row in rows if row.get("group.depth_mean") is not None]
+    if len(known) <= 3:
+        return []
+    speed = np.array([row.speed * math.cos(math.radians(row.angle)) for row in known])
+    diameter = np.array([sphere_diameter(row.flux, area=625e-12, number=1, density=DENSITY) for row in known])
+    shape = np.array([row["group.depth_mean"] for row in known]) / diameter
+    fit = fit_depth(speed, shape, density=DENSITY, strength=STRENGTH)
+    theirs = Fit(*(paper.EQUATION_32[k] for k in ("factor", "threshold", "exponent")), (0, 0, 0), 0)
+    root, line = math.sqrt(DENSITY / STRENGTH), np.linspace(max(fit.threshold, 430), 4600, 200)
+    with figure(out / "figure-19.png", "$v_p cos θ$ (km/s)", "$C_p/d_p$") as axes:
+        for flux in sorted({row.flux for row in known}):
+            of = [row.flux == flux for row in known]
+            axes.plot(speed[of] / 1e3, shape[of], "o", label=f"{flux * 100:g} mg/cm²")
+        axes.plot(line / 1e3, fit(line, root), "k-", label="our fit")
+        axes.plot(line / 1e3, theirs(line, root), "k--", label="Eq. 32")
+        axes.legend()
+    constants = {"factor": fit.factor, "threshold": fit.threshold, "exponent": fit.exponent}
+    with (out / "figure-19.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(["constant", "ours", "half-width of the 95 % interval", "paper"])
+        for (name, value), width in zip(constants.items(), fit.intervals, strict=True):
+            writer.writerow([name, f"{value:.5g}", f"{width:.3g}", paper.EQUATION_32[name]])
+        writer.writerow(["goodness of fit", f"{fit.goodness:.4f}", "", paper.EQUATION_32["goodness"]])
+    numbers = ", ".join(
+        f"{n} {v:.4g} ± {w:.2g}" for (n, v), w in zip(constants.items(), fit.intervals, strict=True)
+    )
+    held = [
+        abs(value - paper.EQUATION_32[name]) <= width
+        for (name, value), width in zip(constants.items(), fit.intervals, strict=True)
+    ]
+    return [
+        Statement("Eq. 32", "goodness of fit is at least .97", fit.goodness >= 0.97, f"{fit.goodness:.4f}"),
+        Statement(
+            "Eq. 32", "the constants are .1292, 422.5 m/s, .9234 within our intervals", all(held), numbers
+        ),
+    ]
+
+
+def _modes(rows: Sequence[Row]) -> list[Statement]:
+    off = [abs(_ours(row) - _paper(row)) if _ours(row) else 9 for row in rows]
+    same, near = sum(n == 0 for n in off), sum(n <= 1 for n in off)
+    return [
+        Statement(
+            "Table 4", "80 % of the modes are the same", same >= 0.8 * len(rows), f"{same} of {len(rows)}"
+        ),
+        Statement("Table 4", "95 % are within one mode", near >= 0.95 * len(rows), f"{near} of {len(rows)}"),
+        Statement(
+            "Table 4",
+            "17d and 18g are no run's",
+            all(_ours(r) != (4 if r.angle == 0 else 7) for r in rows),
+            "",
+        ),
+    ]
+
+
+def _depths(rows: Sequence[Row]) -> list[Statement]:
+    spreads = {row.label: spread for row in rows if (spread := row.get("group.depth_spread")) is not None}
+    if not spreads:
+        return []
+    worst = max(spreads, key=lambda label: spreads[label])
+    held = sum(spread <= 0.13 for spread in spreads.values())
+    numbers = f"{held} of {len(spreads)}, largest {spreads[worst]:.0%} ({worst})"
+    return [
+        Statement(
+            "4.2", "the depths of a run's craters differ by 13 % at most", held == len(spreads), numbers
+        )
+    ]
+
+
+def _ours(row: Row) -> int:
+    """0 where there is no group of craters."""
+    mode = row.get("group.mode")
+    return int(mode) if mode is not None else 0
+
+
+def _paper(row: Row) -> int:
+    return paper.mode(row.angle, row.flux, row.speed)
+
+
+def _energy(row: Row) -> tuple[float, float]:
+    total, normal = energy_flux(row.flux, row.speed, math.radians(row.angle))
+    return total / J_CM2, normal / J_CM2
+
+
+if __name__ == "__main__":
+    main()
