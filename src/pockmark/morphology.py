@@ -63,7 +63,12 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
     floor = floor_of(surface)
     smooth = ndimage.gaussian_filter(floor, SMOOTH)
     found = [_lowest_near(surface, smooth, center, pitch / 2) for center in centers]
-    places = {n: ij for n, ij in enumerate(found) if ij and smooth[ij] < -surface.spacing / 2}
+    # Balls that hit side by side may have one lowest point: that is one crater.
+    places = {
+        n: ij
+        for n, ij in enumerate(found)
+        if ij and smooth[ij] < -surface.spacing / 2 and ij not in found[:n]
+    }
     markers = np.zeros(floor.shape, dtype=np.int32)
     for label, ij in enumerate(places.values(), 1):
         markers[ij] = label

@@ -112,6 +112,13 @@ def test_a_missing_crater_and_a_flat_target_are_left_out():
     assert grouped(carved(lambda x, y: np.zeros(x.shape))).pits == []
 
 
+def test_two_balls_in_one_crater_make_one_pit():
+    centers = [(0.0, 0.0), (3.0, 1.0), (30.0, 0.0)]
+    group = grouped(bowls(9.0, centers=[(1.0, 0.0), (30.0, 0.0)]), centers)
+    assert len(group.pits) == 2
+    assert len(group.ridges) == 1
+
+
 def test_the_nearest_mode_is_the_one_across_the_nearest_threshold():
     measures = measures_of(grouped(bowls(9.0)))
     near = replace(measures, unlike=0.09, linked_along=0.1)
