@@ -1,56 +1,50 @@
-"""Closed contours in a slice: their area, and their extrapolation from two slices to the original plane."""
+"""Closed contours in a slice, and the moments of what they enclose."""
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
 from skimage.measure import find_contours
 
 Array = NDArray[np.float64]
 
 
+@dataclass(frozen=True)
+class Moments:
+    """Of an area: its size, centre of gravity (2,), and covariance (2, 2) of the places in it."""
+
+    area: float
+    centre: Array
+    covariance: Array
+
+
 def contour_area(fraction: Array) -> float:
     """Area (nodes^2) where a slice (nx, ny) is below one half; islands are taken off."""
-    return abs(sum(map(_signed_area, _contours(fraction, 0.5))))
+    return abs(sum(map(_signed_area, _contours(fraction))))
 
 
-def extrapolated_contour(upper: Array, lower: Array | None) -> Array | None:
-    """The contour (n, 2), in nodes, half a spacing above the slice `upper` (nx, ny), which lies a spacing above `lower`.
-
-    The signed distances to the two contours of one half are extrapolated, so that it may have any shape. Without
-    `lower` it is the contour of `upper`. The largest, if there are several; None without any.
-    """
-    distance = _signed_distance(upper)
-    if distance is None:
-        return None
-    below = None if lower is None else _signed_distance(lower)
-    if below is not None:
-        distance = 1.5 * distance - 0.5 * below
-    contours = _contours(distance, 0.0)
-    return max(contours, key=polygon_area) if contours else None
+def largest_contour(fraction: Array) -> Array | None:
+    """The contour (n, 2), in nodes, around the largest area below one half of a slice (nx, ny); None without any."""
+    return max(_contours(fraction), key=lambda c: abs(_signed_area(c)), default=None)
 
 
-def polygon_area(contour: Array) -> float:
-    """Area of a closed polygon (n, 2)."""
-    return abs(_signed_area(contour))
+def polygon_moments(contour: Array) -> Moments:
+    """Of what a closed polygon (n, 2) encloses, by Green's theorem."""
+    middle = contour.mean(axis=0)
+    a, b = contour[:-1] - middle, contour[1:] - middle
+    cross = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
+    area = 0.5 * cross.sum()
+    centre = cross @ (a + b) / (6 * area)
+    both = a + b
+    second = np.einsum("n,ni,nj->ij", cross, both, both)
+    second += np.einsum("n,ni,nj->ij", cross, a, a) + np.einsum("n,ni,nj->ij", cross, b, b)
+    return Moments(abs(float(area)), middle + centre, second / (24 * area) - np.outer(centre, centre))
 
 
-def _contours(field: Array, level: float) -> list[Array]:
-    return list(find_contours(field, level))  # type: ignore[no-untyped-call]
+def _contours(fraction: Array) -> list[Array]:
+    return list(find_contours(fraction, 0.5))  # type: ignore[no-untyped-call]
 
 
 def _signed_area(contour: Array) -> float:
     u, v = contour[:, 0], contour[:, 1]
     return 0.5 * float(np.dot(u, np.roll(v, 1)) - np.dot(v, np.roll(u, 1)))
-
-
-def _signed_distance(fraction: Array) -> Array | None:
-    """Distance (nx, ny), in nodes, to the contour of one half, positive inside; None without a contour."""
-    contours = _contours(fraction, 0.5)
-    if not contours:
-        return None
-    # Points an eighth of a node apart stand for the segments between them.
-    part = np.arange(8)[:, None, None] / 8
-    dense = [((1 - part) * c[:-1] + part * c[1:]).reshape(-1, 2) for c in contours]
-    nodes = np.indices(fraction.shape).reshape(2, -1).T
-    distance: Array = KDTree(np.concatenate(dense)).query(nodes)[0].reshape(fraction.shape)
-    return np.where(fraction < 0.5, distance, -distance)

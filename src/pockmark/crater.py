@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .contours import contour_area, extrapolated_contour, polygon_area
-from .ellipse import Ellipse, fit_ellipse
+from .contours import contour_area, largest_contour, polygon_moments
+from .ellipse import Ellipse, ellipse_of
 from .scene import Mirror
 from .surface import Surface, target_field
 
@@ -25,7 +25,7 @@ PATCH = 16  # columns of a cell's area, whose heights err together
 @dataclass(frozen=True)
 class Crater:
     """Depth C_p below z = 0 (m), centre of the bottom (x, y; m) and its standard uncertainty along x (m), volume (m^3) below
-    z = 0, mean height of the rim's crest (m); of the pithead the contour (n, 2; m) at z = 0, its ellipse and the
+    z = 0, mean height of the rim's crest (m); of the pithead the contour (n, 2; m) h/2 below z = 0, its ellipse at z = 0 and the
     diameter D_c (m) of the circle of its area: None where no closed edge lies around the bottom."""
 
     depth: float
@@ -56,10 +56,9 @@ def measure_crater(surface: Surface) -> Crater | None:
         return None
     bottom, uncertainty = _bottom(surface, floor, i, j, depth)
     bowl = Openings.of(surface).bowl(i, j)
-    contour = bowl.pithead(depth)
-    pithead = None if contour is None else fit_ellipse(contour)
-    area = None if contour is None else polygon_area(contour)
-    centre = pithead.centre if pithead else bottom
+    pithead = bowl.pithead(depth)
+    area = None if pithead is None else pithead.area
+    centre = pithead.ellipse.centre if pithead else bottom
     return Crater(
         depth,
         bottom,
@@ -67,8 +66,8 @@ def measure_crater(surface: Surface) -> Crater | None:
         bowl.volume(depth, area),
         _rim_height(surface, centre),
         None if area is None else 2 * math.sqrt(area / math.pi),
-        contour,
-        pithead,
+        None if pithead is None else pithead.contour,
+        None if pithead is None else pithead.ellipse,
     )
 
 
@@ -165,6 +164,23 @@ class Openings:
 
 
 @dataclass(frozen=True)
+class Pithead:
+    """Where a bowl meets z = 0: contour (n, 2) m, of the slice h/2 below; area (m^2) and ellipse at z = 0."""
+
+    contour: Array
+    area: float
+    ellipse: Ellipse
+
+
+def _at_zero(values: Array) -> Array:
+    """What values (n, m) in slices 1, 2 ... steps below z = 0 are there, by straight lines."""
+    if len(values) == 1:
+        return np.asarray(values[0])
+    depth = np.arange(1, len(values) + 1)
+    return np.asarray(np.polynomial.polynomial.polyfit(depth, values, 1)[0])
+
+
+@dataclass(frozen=True)
 class Bowl:
     """One hollow of a surface: all others count as filled."""
 
@@ -183,27 +199,29 @@ class Bowl:
         here = self.of.hollow[:, :, k]
         return np.where(reached & ((here == self.number) | (here == 0)), self.of.fraction[:, :, k], 1.0)
 
-    def pithead(self, depth: float) -> Array | None:
-        """Contour (n, 2) at z = 0, m, extrapolated from the slices h/2 and 3h/2 below; None if it is open.
+    def pithead(self, depth: float) -> "Pithead | None":
+        """Of a bowl `depth` (m) deep; None if it is open at the edge.
 
-        At z = 0 itself an untouched surface is on the level too. A crater shallower than 2h has no second slice: the
-        contour is that of the first.
+        At z = 0 itself an untouched surface is on the level too. So area and centre are taken in the slices from h/2 down
+        to 5h/2, or half the depth, and carried on to z = 0 along straight lines; a paraboloid's are straight. The axes' ratio
+        and direction are the mean of these slices: parallel sections of an ellipsoid are alike.
         """
-        surface, upper = self.of.surface, self.slice(self.slices - 1)
-        edges = np.concatenate([upper[0], upper[-1], upper[:, 0], upper[:, -1]])
-        if np.any(edges <= 0.5):
+        surface, top = self.of.surface, self.slice(self.slices - 1)
+        edges = np.concatenate([top[0], top[-1], top[:, 0], top[:, -1]])
+        contour = largest_contour(top)
+        if np.any(edges <= 0.5) or contour is None:
             return None
-        # Only around the hollow: a group has many.
-        near = ndimage.find_objects((upper <= 0.5).astype(np.int8))
-        if not near:
-            return None
-        box = tuple(slice(max(0, s.start - 4), s.stop + 4) for s in near[0])
-        lower = self.slice(self.slices - 3)[box] if depth >= 2 * surface.spacing else None
-        contour = extrapolated_contour(upper[box], lower)
-        if contour is None:
-            return None
-        corner = np.array([surface.x[box[0].start], surface.y[box[1].start]])
-        return corner + contour * surface.spacing / 2
+        steps = min(max(1, min(5, int(depth / surface.spacing))), self.slices)
+        lines = [largest_contour(self.slice(self.slices - 1 - n)) for n in range(steps)]
+        found = [polygon_moments(line) for line in lines if line is not None]
+        area = float(_at_zero(np.array([m.area for m in found])))
+        centre = _at_zero(np.array([m.centre for m in found]))
+        shape = np.mean([m.covariance / m.area for m in found], axis=0)
+        # An ellipse's covariance has the determinant (area / 4 pi)^2; a region that is none keeps its area.
+        shape *= area / (4 * math.pi * math.sqrt(np.linalg.det(shape)))
+        step, corner = surface.spacing / 2, np.array([surface.x[0], surface.y[0]])
+        ellipse = ellipse_of(corner + centre * step, shape * step**2)
+        return Pithead(corner + contour * step, area * step**2, ellipse)
 
     def volume(self, depth: float, area: float | None) -> float:
         """Integral of the slices' areas from z = 0 (the pithead's `area`, or that of the first slice) to -depth, m^3."""

@@ -1,11 +1,10 @@
-"""The least-squares ellipse of a closed contour, and the eccentricity ratios of Liu et al. 2015, Eqs. 23 and 24."""
+"""The ellipse that has the moments of an area, and the eccentricity ratios of Liu et al. 2015, Eqs. 23 and 24."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from skimage.measure import EllipseModel
 
 Array = NDArray[np.float64]
 
@@ -37,17 +36,9 @@ class Ellipse:
         return 2 * (self.centre[0] - bottom_x) / self.major
 
 
-def fit_ellipse(contour: Array) -> Ellipse | None:
-    """Direct least-squares ellipse of contour (n, 2), m; None where there is none."""
-    scale = float(np.ptp(contour, axis=0).max())
-    if not scale > 0:
-        return None
-    middle = contour.mean(axis=0)
-    model = EllipseModel.from_estimate((contour - middle) / scale)  # type: ignore[no-untyped-call]
-    if not model:
-        return None
-    (x, y), (a, b), angle = map(float, model.center), map(float, model.axis_lengths), float(model.theta)
-    if b > a:
-        a, b, angle = b, a, angle + math.pi / 2
-    centre = (float(middle[0] + x * scale), float(middle[1] + y * scale))
-    return Ellipse(centre, 2 * a * scale, 2 * b * scale, math.remainder(angle, math.pi))
+def ellipse_of(centre: Array, covariance: Array) -> Ellipse:
+    """The ellipse with these moments: centre (2,) m, covariance (2, 2) m^2 of the places in it."""
+    spread, axes = np.linalg.eigh(covariance)
+    minor, major = (4 * math.sqrt(max(float(s), 0.0)) for s in spread)
+    angle = math.atan2(float(axes[1, 1]), float(axes[0, 1]))
+    return Ellipse((float(centre[0]), float(centre[1])), major, minor, math.remainder(angle, math.pi))

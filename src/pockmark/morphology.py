@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.segmentation import watershed
 
-from .crater import Openings, floor_of
-from .ellipse import Ellipse, fit_ellipse
+from .contours import polygon_moments
+from .crater import Openings, Pithead, floor_of
+from .ellipse import Ellipse, ellipse_of
 from .surface import Surface
 
 Array = NDArray[np.float64]
@@ -23,8 +24,8 @@ SMOOTH = 1.4  # nodes: the deviation of the Gaussian that the floor is smoothed 
 
 @dataclass(frozen=True)
 class Pit:
-    """One crater of a group: place of its lowest point (x, y; m), depth below z = 0 (m), contour of its pithead (n, 2; m)
-    and the ellipse fitted to it, with the root mean square distance (m) between the two. Joined craters share a pithead;
+    """One crater of a group: place of its lowest point (x, y; m), depth below z = 0 (m), contour (n, 2; m) of its pithead
+    h/2 below z = 0, the pithead's ellipse at z = 0, and the root mean square distance (m) of the contour from its own. Joined craters share a pithead;
     none where it is open at the edge."""
 
     place: tuple[float, float]
@@ -106,10 +107,12 @@ def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -
     return int(i), int(j)
 
 
-def _pit(place: tuple[float, float], depth: float, contour: Array | None) -> Pit:
-    ellipse = None if contour is None else fit_ellipse(contour)
-    residual = None if contour is None or ellipse is None else ellipse.residual(contour)
-    return Pit(place, depth, contour, ellipse, residual)
+def _pit(place: tuple[float, float], depth: float, pithead: Pithead | None) -> Pit:
+    if pithead is None:
+        return Pit(place, depth, None, None, None)
+    own = polygon_moments(pithead.contour)
+    residual = ellipse_of(own.centre, own.covariance).residual(pithead.contour)
+    return Pit(place, depth, pithead.contour, pithead.ellipse, residual)
 
 
 def _direction(apart: Array, pitch: float) -> str:

@@ -4,7 +4,7 @@ Linear tents as wide as the point spacing h carry each point's volume to nodes h
 the fraction is one half. Which points count, and why: docs/metrology.md.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -181,15 +181,29 @@ def largest_piece(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _outside(fraction: Array) -> Array:
-    """The fraction with only the largest piece of solid, and only the voids that a probe reaches from the top.
+    """The fraction with only the voids that are open to the top, and then only the solid that hangs together.
 
-    The probe is a cube two nodes (one point spacing) wide: narrower clefts between points, of which a stretched wall
-    has many, are below what the points resolve. A last node lets it see into the corners that it leaves.
+    A cube two nodes (one point spacing) wide decides both: what is narrower, clefts between the points of a stretched
+    wall, is filled, and what hangs on by less, debris on the rim, is off. Points resolve neither. A last node lets the
+    cube see into the corners that it leaves.
     """
     solid = fraction > 0.5
     fraction = np.where(solid & ~largest_piece(solid), 0.0, fraction)
-    void, cube = fraction <= 0.5, np.ones((3, 3, 3))
-    places, _ = ndimage.label(ndimage.binary_erosion(void, cube, border_value=1))
-    reached = np.isin(places, np.setdiff1d(places[:, :, -1], 0))
-    opened = ndimage.binary_dilation(reached, cube, iterations=2) & void
-    return np.where(void & ~opened, 1.0, fraction)
+    void = fraction <= 0.5
+    fraction = np.where(void & ~_reached_by_cube(void, _open_to_the_top), 1.0, fraction)
+    solid = fraction > 0.5
+    return np.where(solid & ~_reached_by_cube(solid, largest_piece), 0.0, fraction)
+
+
+def _reached_by_cube(
+    place: NDArray[np.bool_], choose: Callable[[NDArray[np.bool_]], NDArray[np.bool_]]
+) -> NDArray[np.bool_]:
+    """Of a place, what the cube covers, and one node more, while its centre stays in what is chosen of where it fits."""
+    cube = np.ones((3, 3, 3))
+    centres = choose(ndimage.binary_erosion(place, cube, border_value=1))
+    return np.asarray(ndimage.binary_dilation(centres, cube, iterations=2) & place)
+
+
+def _open_to_the_top(place: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    labels, _ = ndimage.label(place)
+    return np.isin(labels, np.setdiff1d(labels[:, :, -1], 0))
