@@ -28,6 +28,9 @@ def uncertainties(
         a, b = (None if c is None else getattr(c, key) for c in (low, high))
         out[key] = None if a is None or b is None else abs(b - a) / 2
     bottom = out["bottom_x"] = crater.bottom_uncertainty
+    if crater.diameter and (u := out["depth"]) is not None and (v := out["diameter"]) is not None:
+        ratio = crater.depth / crater.diameter
+        out["depth_over_diameter"] = ratio * math.hypot(u / crater.depth, v / crater.diameter)
     if crater.pithead is None:
         return out
     axis, e = math.sqrt(2) * delta, crater.pithead
