@@ -29,7 +29,7 @@ def main() -> None:
     """Draw what the table has runs for."""
     results, runs, out = map(Path, sys.argv[1:4])
     rows = [row for row in read_results(results) if not row.fault]
-    swept = [row for row in rows if row.friction is None]
+    swept = [row for row in rows if row.friction is None and "panels" not in row.groups]
     normal = [row for row in swept if row.angle == 0]
     oblique = [row for row in swept if row.angle > 0]
     if normal:

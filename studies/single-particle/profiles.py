@@ -13,8 +13,7 @@ def profile_figure(rows: Sequence[Row], runs: Path, out: Path) -> None:
     frictional = [row for row in rows if row.friction is not None]
     if not frictional:
         return
-    like = frictional[0]
-    sticky = [r for r in rows if r.friction is None and (r.angle, r.speed) == (like.angle, like.speed)][-1:]
+    sticky = [row for row in rows if "sticky" in row.groups]
     with figure(out / "figure-4.png", "x (um)", "z (um)") as axes:
         for row, style in zip([*sticky, *frictional], ["k-", *["-"] * len(frictional)], strict=True):
             surface = surface_of_run(runs / row.scene)
