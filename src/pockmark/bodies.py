@@ -9,7 +9,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from .materials import Model
-from .placement import at_random, on_lattice
+from .placement import at_random, on_lattice, sphere_diameter
 from .units import ArealDensity, Length
 
 Vector = tuple[Length, Length, Length]
@@ -124,7 +124,8 @@ class Swarm(Balls):
         if self.flux is None:
             return self
         if self.pitch is not None:
-            return self._with("radius", math.cbrt(6 / math.pi * self.pitch**2 * self.flux / density) / 2)
+            diameter = sphere_diameter(self.flux, area=self.pitch**2, number=1, density=density)
+            return self._with("radius", diameter / 2)
         area = math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))
         ball = 4 / 3 * math.pi * (self.radius or 0.0) ** 3 * density
         return self._with("number", round(self.flux * area / ball))

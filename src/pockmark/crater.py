@@ -212,7 +212,7 @@ class Bowl:
         if np.any(edges <= 0.5) or contour is None:
             return None
         steps = min(max(1, min(5, int(depth / surface.spacing))), self.slices)
-        lines = [largest_contour(self.slice(self.slices - 1 - n)) for n in range(steps)]
+        lines = [contour, *(largest_contour(self.slice(self.slices - 1 - n)) for n in range(1, steps))]
         found = [polygon_moments(line) for line in lines if line is not None]
         area = float(_at_zero(np.array([m.area for m in found])))
         centre = _at_zero(np.array([m.centre for m in found]))

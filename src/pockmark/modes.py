@@ -11,8 +11,8 @@
 | IV | VII | most ridges are gone: one bottom |
 """
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -77,20 +77,18 @@ def measures_of(group: Group) -> Measures:
 
 def mode_of(measures: Measures, *, oblique: bool) -> Mode:
     """The mode, and how near the next one is."""
-    number = _number(measures, oblique)
+    is_over = {name: value > THRESHOLDS[name] for name, value in asdict(measures).items()}
+    number = _number(is_over, oblique)
     others = []
     for name, threshold in THRESHOLDS.items():
-        value = getattr(measures, name)
-        across = threshold * (0.999 if value > threshold else 1.001)
-        other = _number(replace(measures, **{name: across}), oblique)
+        other = _number(is_over | {name: not is_over[name]}, oblique)
         if other != number:
-            others.append((abs(value - threshold) / threshold, other))
+            others.append((abs(getattr(measures, name) - threshold) / threshold, other))
     distance, nearest = min(others)
     return Mode(number, nearest, distance)
 
 
-def _number(measures: Measures, oblique: bool) -> int:
-    is_over = {name: value > THRESHOLDS[name] for name, value in asdict(measures).items()}
+def _number(is_over: Mapping[str, bool], oblique: bool) -> int:
     if is_over["levelled"]:
         return 7 if oblique else 4
     if not oblique:
@@ -104,13 +102,14 @@ def _number(measures: Measures, oblique: bool) -> int:
 
 def _by_place(group: Group) -> tuple[list[Pit], list[Pit]]:
     """The craters with the most neighbours, and those with the fewest; all for both where all have as many."""
-    neighbours = np.zeros(max(len(group.pits), 1), dtype=int)
+    neighbours = np.zeros(len(group.pits), dtype=int)
     for ridge in group.ridges:
         neighbours[list(ridge.pair)] += 1
-    return tuple(  # type: ignore[return-value]
-        [pit for pit, n in zip(group.pits, neighbours, strict=False) if n == end]
+    inside, outside = (
+        [pit for pit, n in zip(group.pits, neighbours, strict=True) if n == end]
         for end in (neighbours.max(), neighbours.min())
     )
+    return inside, outside
 
 
 def _difference(inside: Sequence[Pit], outside: Sequence[Pit]) -> float:

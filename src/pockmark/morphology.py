@@ -78,12 +78,10 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
     bowls = [openings.bowl(*ij) for ij in places.values()]
     depths = [-float(smooth[ij]) for ij in places.values()]
     # Linked craters share a hollow, whose pithead is measured once, with the depth of the deepest.
-    deepest: dict[int, float] = {}
-    for bowl, depth in zip(bowls, depths, strict=True):
-        deepest[bowl.number] = max(depth, deepest.get(bowl.number, 0.0))
-    pitheads = {
-        bowl.number: bowl.pithead(deepest[bowl.number]) for bowl in {b.number: b for b in bowls}.values()
-    }
+    pitheads: dict[int, Pithead | None] = {}
+    for depth, bowl in sorted(zip(depths, bowls, strict=True), key=lambda pair: -pair[0]):
+        if bowl.number not in pitheads:
+            pitheads[bowl.number] = bowl.pithead(depth)
     pits = [
         _pit((float(surface.x[i]), float(surface.y[j])), depth, pitheads[bowl.number])
         for (i, j), depth, bowl in zip(places.values(), depths, bowls, strict=True)

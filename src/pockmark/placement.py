@@ -1,11 +1,17 @@
-"""Where the balls of a swarm are: on a lattice, or at random places clear of each other."""
+"""How large the balls of a swarm are, and where: on a lattice, or at random places clear of each other."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
 Place = tuple[float, float]
 TRIES = 10_000  # places tried for one ball
+
+
+def sphere_diameter(flux: float, *, area: float, number: int, density: float) -> float:
+    """d_p, m (Eq. 29): `number` spheres of `density` (kg/m^3) over an `area` (m^2) at a flux (kg/m^2)."""
+    return math.cbrt(6 / math.pi * area * flux / (number * density))
 
 
 def on_lattice(lower: Sequence[float], upper: Sequence[float], pitch: float) -> list[Place]:

@@ -20,7 +20,7 @@ from .scene import Scene
 from .simulation import Simulation, Task
 from .stop import heard_between_steps
 from .store import RunFolder, Snapshot, commit, finite, machine, now, told
-from .surface import Field, Surface
+from .surface import Field, Surface, with_image
 from .tasks import History, ProgressBar, Snapshots
 
 # What the measures need of a manifest.
@@ -181,7 +181,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     figures = {
         "crater.png": slice_figure(
             snapshot,
-            Cast([body.name for body in scene.body], scene.projectiles),
+            _cast(scene),
             plane=_slice_plane(scene),
             spacing=_target_spacing(scene),
             crater=results.crater_of(_field(snapshot, scene)),
@@ -210,9 +210,7 @@ def _group(field: Field | None, scene: Scene) -> Group | None:
     centers = np.array(swarms[0].centers)
     hits = centers[:, :2] + np.outer(centers[:, 2], [math.tan(scene.impact.angle), 0.0])
     for mirror in scene.mirrors:
-        image = hits.copy()
-        image[:, mirror.axis] = 2 * mirror.at - image[:, mirror.axis]
-        hits = np.concatenate([hits, image])
+        hits = with_image(hits, mirror)
     return measure_group(field.surface(), hits, swarms[0].distance)
 
 
@@ -228,8 +226,7 @@ def plot_process(path: str | Path) -> Figure:
     folder = RunFolder.open(path)
     scene = folder.scene()
     snapshots = [Snapshot(file) for file in folder.snapshots()[-4:]]
-    cast = Cast([body.name for body in scene.body], scene.projectiles)
-    return process_figure(snapshots, cast, plane=_slice_plane(scene), spacing=_target_spacing(scene))
+    return process_figure(snapshots, _cast(scene), plane=_slice_plane(scene), spacing=_target_spacing(scene))
 
 
 def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:
@@ -239,6 +236,10 @@ def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,
     )
+
+
+def _cast(scene: Scene) -> Cast:
+    return Cast([body.name for body in scene.body], scene.projectiles)
 
 
 def _slice_plane(scene: Scene) -> float:

@@ -17,11 +17,6 @@ def energy_flux(flux: float, speed: float, angle: float = 0.0) -> tuple[float, f
     return total, total * math.cos(angle) ** 2
 
 
-def sphere_diameter(flux: float, *, area: float, number: int, density: float) -> float:
-    """d_p, m (Eq. 29): `number` spheres of `density` (kg/m^3) over an `area` (m^2) at a flux (kg/m^2)."""
-    return math.cbrt(6 / math.pi * area * flux / (number * density))
-
-
 def group_depth(flux: float, normal_speed: float) -> float:
     """C_p, m (Eq. 33, which is in mm, ms, g): flux kg/m^2, v_p cos(theta) m/s; 0 up to the threshold of 422.5 m/s.
 

@@ -99,9 +99,14 @@ def target_field(
 
 def with_images(position: Array, values: Array, mirror: Mirror) -> tuple[Array, Array]:
     """The points and their mirror images."""
+    return with_image(position, mirror), np.concatenate([values, values])
+
+
+def with_image(position: Array, mirror: Mirror) -> Array:
+    """Places (n, 2 or 3) and their mirror images."""
     image = position.copy()
     image[:, mirror.axis] = 2 * mirror.at - image[:, mirror.axis]
-    return np.concatenate([position, image]), np.concatenate([values, values])
+    return np.concatenate([position, image])
 
 
 def filling(position: Array, volume: Array, lower: Array, width: Array, shape: Sequence[int]) -> Array:

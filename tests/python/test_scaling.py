@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from pockmark.scaling import energy_flux, fit_depth, group_depth, sphere_diameter
+from pockmark.placement import sphere_diameter
+from pockmark.scaling import energy_flux, fit_depth, group_depth
 
 MG_CM2 = 1e-2  # kg/m^2
 J_CM2 = 1e4  # J/m^2
