@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
+from pockmark.run import plot_process
 from pockmark.units import to_si
 
 
@@ -93,6 +94,13 @@ def write_table(
             writer.writerow(
                 [f"{row.angle:g}", f"{row.speed:g}", *shown, row.cells["version"], row.cells["commit"]]
             )
+
+
+def process_figures(rows: Sequence[Row], runs: Path, out: Path, names: Mapping[int, str]) -> None:
+    """Stress and pressure of the runs of the group `panels`, named by their angle in degrees."""
+    for row in rows:
+        if "panels" in row.groups:
+            plot_process(runs / row.scene).savefig(out / names[round(row.angle)], dpi=100)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """What Liu et al. 2015 found: Tables 4 and 5, Eq. 32. Modes are numbered within Fig. 17 (normal) and Fig. 18 (oblique)."""
 
+LETTERS = "abcdefg"  # of the modes, in their order
 SPEEDS = (700, 1300, 1500, 2000, 2200, 4500)  # m/s
 # (angle in deg, flux in mg/cm^2): the modes at the speeds above, a to g.
 TABLE_4 = {
@@ -43,4 +44,4 @@ EQUATION_32 = {"factor": 0.1292, "threshold": 422.5, "exponent": 0.9234, "goodne
 def mode(angle: float, flux: float, speed: float) -> int:
     """1 for a, and so on: flux kg/m^2, speed m/s."""
     letters = TABLE_4[round(angle), round(100 * flux, 3)]
-    return 1 + "abcdefg".index(letters[SPEEDS.index(round(speed))])
+    return 1 + LETTERS.index(letters[SPEEDS.index(round(speed))])

@@ -13,14 +13,15 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 import paper
-from reporting import Row, Statement, figure, keep_statements, read_results
-from slices import mode_pages, process_pages
+from reporting import Row, Statement, figure, keep_statements, process_figures, read_results
+from slices import mode_pages
 
-from pockmark.scaling import Fit, energy_flux, fit_depth, sphere_diameter
+from pockmark.placement import sphere_diameter
+from pockmark.scaling import Fit, energy_flux, fit_depth
 
 DENSITY, STRENGTH = 2770.0, 265e6
 J_CM2 = 1e4  # J/m^2
-LETTERS = "abcdefg"
+PROCESSES = {0: "figure-15.png", 30: "figure-16.png"}
 
 
 def main() -> None:
@@ -33,7 +34,7 @@ def main() -> None:
     table_5(swept, out)
     found = [*_modes(swept), *_depths(swept), *figure_19(swept, out)]
     mode_pages(swept, runs, out)
-    process_pages(rows, runs, out)
+    process_figures(rows, runs, out, PROCESSES)
     keep_statements(found, out / "trends.csv")
 
 
@@ -61,8 +62,8 @@ def table_4(rows: Sequence[Row], out: Path) -> None:
                     f"{row.angle:g}",
                     f"{row.flux * 100:g}",
                     f"{row.speed:g}",
-                    LETTERS[_paper(row) - 1],
-                    LETTERS[_ours(row) - 1] if _ours(row) else "none",
+                    paper.LETTERS[_paper(row) - 1],
+                    paper.LETTERS[_ours(row) - 1] if _ours(row) else "none",
                     *("" if value is None else f"{value:.4g}" for value in values),
                     row.cells["version"],
                     row.cells["commit"],
@@ -74,7 +75,7 @@ def confusion(rows: Sequence[Row], out: Path) -> None:
     """How often each of the paper's modes is which of ours, for normal and for oblique impact."""
     with (out / "confusion.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow(["paper", "none", *LETTERS])
+        writer.writerow(["paper", "none", *paper.LETTERS])
         for name, part in (
             ("17", [r for r in rows if r.angle == 0]),
             ("18", [r for r in rows if r.angle > 0]),
@@ -82,7 +83,7 @@ def confusion(rows: Sequence[Row], out: Path) -> None:
             for mode in range(1, 8):
                 ours = Counter(_ours(row) for row in part if _paper(row) == mode)
                 if ours:
-                    writer.writerow([f"{name}{LETTERS[mode - 1]}", *(ours[n] for n in range(8))])
+                    writer.writerow([f"{name}{paper.LETTERS[mode - 1]}", *(ours[n] for n in range(8))])
 
 
 def table_5(rows: Sequence[Row], out: Path) -> None:
@@ -94,7 +95,7 @@ def table_5(rows: Sequence[Row], out: Path) -> None:
             ["angle_deg", "mode", *(f"{n} ours" for n in names), *(f"{n} paper" for n in names), "misprint"]
         )
         for angle in (0, 15, 30):
-            for n, letter in enumerate(LETTERS, 1):
+            for n, letter in enumerate(paper.LETTERS, 1):
                 fluxes = [_energy(row) for row in rows if row.angle == angle and _ours(row) == n]
                 printed = paper.TABLE_5.get((angle, letter))
                 if not fluxes and not printed:

@@ -1,4 +1,4 @@
-"""The slices of Fig. 14 for each run, a page a mode (Figs. 17 and 18), and the processes of Figs. 15 and 16."""
+"""The slices of Fig. 14 for each run, a page a mode (Figs. 17 and 18)."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,18 +10,16 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from reporting import Row
 
-from pockmark.run import plot_process, surface_of_run
+from pockmark.run import surface_of_run
 from pockmark.surface import Surface
 
 PLANE = 12.5e-6  # m: the row and the column of craters nearest to the middle
-PROCESSES = {0: "figure-15.png", 30: "figure-16.png"}
-LETTERS = "abcdefg"
 
 
 def mode_pages(rows: Sequence[Row], runs: Path, out: Path) -> None:
     """figure-17a.png to figure-18g.png: the three slices of every run that is of that mode here."""
     for number, part in ((17, [r for r in rows if r.angle == 0]), (18, [r for r in rows if r.angle > 0])):
-        for mode, letter in enumerate(LETTERS, 1):
+        for mode, letter in enumerate(paper.LETTERS, 1):
             of = [row for row in part if row.get("group.mode") == mode]
             if of:
                 _page(of, runs, f"Mode {number}{letter}").savefig(
@@ -29,19 +27,12 @@ def mode_pages(rows: Sequence[Row], runs: Path, out: Path) -> None:
                 )
 
 
-def process_pages(rows: Sequence[Row], runs: Path, out: Path) -> None:
-    """Stress and pressure of the runs of the group `panels`."""
-    for row in rows:
-        if "panels" in row.groups:
-            plot_process(runs / row.scene).savefig(out / PROCESSES[round(row.angle)], dpi=100)
-
-
 def _page(rows: Sequence[Row], runs: Path, title: str) -> Figure:
     page = Figure(figsize=(10, 2.6 * len(rows) + 0.6), layout="constrained")
     FigureCanvasAgg(page)
     page.suptitle(f"{title}: z = -h/2, y = 12.5 um, x = 12.5 um")
     for row, panels in zip(rows, page.subplots(len(rows), 3, squeeze=False), strict=True):
-        theirs = LETTERS[paper.mode(row.angle, row.flux, row.speed) - 1]
+        theirs = paper.LETTERS[paper.mode(row.angle, row.flux, row.speed) - 1]
         panels[0].set_title(f"{row.label} (paper: {theirs})", fontsize="small", loc="left")
         surface = surface_of_run(runs / row.scene)
         if surface:

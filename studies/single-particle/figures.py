@@ -9,20 +9,20 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from matplotlib.axes import Axes
-from panels import panel_figures
 from profiles import profile_figure
-from reporting import Row, figure, keep_statements, read_results, write_table
-from trends import statements
+from reporting import Row, figure, keep_statements, process_figures, read_results, write_table
+from trends import equation_22, statements
 
-from pockmark.equations import cour_palais, herrmann_jones, summers_charters, volume_energy
+from pockmark.equations import cour_palais, herrmann_jones, summers_charters
 
 EQUATIONS = {
-    "Eq. 22": lambda v: volume_energy(v, projectile_density=2770, target_strength=265e6),
+    "Eq. 22": equation_22,
     "Cour-Palais": lambda v: cour_palais(v, diameter=20e-6, brinell=120, sound_speed=5330),
     "Summers-Charters": lambda v: summers_charters(v, sound_speed=5330),
     "Herrmann-Jones": lambda v: herrmann_jones(v, target_density=2770, brinell=120),
 }
 MARKS = {0: "o", 15: "s", 30: "^"}
+PROCESSES = {0: "figure-5.png", 30: "figure-8.png"}
 
 
 def main() -> None:
@@ -41,7 +41,7 @@ def main() -> None:
         figure_11(oblique, out)
         figure_12(swept, out)
     profile_figure(rows, runs, out)
-    panel_figures(rows, runs, out)
+    process_figures(rows, runs, out, PROCESSES)
     keep_statements(statements(rows), out / "trends.csv")
 
 

@@ -33,7 +33,7 @@ def statements(rows: Sequence[Row]) -> list[Statement]:
 def _of_normal(rows: Sequence[Row]) -> list[Statement]:
     factor = "depth_over_diameter"
     last = rows[-1]
-    equation = {row.speed: row["depth_over_projectile_diameter"] / _volume_energy(row) for row in rows}
+    equation = {row.speed: row["depth_over_projectile_diameter"] / equation_22(row.speed) for row in rows}
     low = {v: share for v, share in equation.items() if v <= 1500}
     high = {v: share for v, share in equation.items() if v >= 4500}
     return [
@@ -153,11 +153,12 @@ def _of_friction(frictional: Sequence[Row], oblique: Sequence[Row]) -> list[Stat
 
 def _relative(row: Row) -> float:
     """Uncertainty of C_p over Eq. 22's."""
-    return row.spread("depth_over_projectile_diameter") / _volume_energy(row)
+    return row.spread("depth_over_projectile_diameter") / equation_22(row.speed)
 
 
-def _volume_energy(row: Row) -> float:
-    return volume_energy(row.speed, projectile_density=2770, target_strength=265e6)
+def equation_22(speed: float) -> float:
+    """C_p/d_p of the volume-energy formula for the paper's aluminium, speed in m/s."""
+    return volume_energy(speed, projectile_density=2770, target_strength=265e6)
 
 
 def _shares(of: dict[float, float]) -> str:
