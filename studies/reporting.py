@@ -76,6 +76,19 @@ def figure(path: Path, x: str, y: str) -> Iterator[Axes]:
     drawing.savefig(path, dpi=120)
 
 
+def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
+    """A CSV table of rows that have the same columns, or some of the first one's."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]) if rows else [], restval="")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def made_by(cells: Mapping[str, str]) -> dict[str, str]:
+    """The version and the commit of a run, for its row in another table."""
+    return {"version": cells["version"], "commit": cells["commit"]}
+
+
 def write_table(
     path: Path,
     rows: Sequence[Row],
@@ -83,17 +96,16 @@ def write_table(
     extra: Mapping[str, Sequence[float | None]] | None = None,
 ) -> None:
     """Angle, speed and measures (SI) with their uncertainties, a row a run, and what version made it."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        known = [f"uncertainty.{key}" for key in keys if any(r.get(f"uncertainty.{key}") for r in rows)]
-        columns = [*keys, *known]
-        writer.writerow(["angle_deg", "speed_m/s", *columns, *(extra or {}), "version", "commit"])
-        for i, row in enumerate(rows):
-            values = [row.get(key) for key in columns] + [values[i] for values in (extra or {}).values()]
-            shown = ["" if value is None else f"{value:.5g}" for value in values]
-            writer.writerow(
-                [f"{row.angle:g}", f"{row.speed:g}", *shown, row.cells["version"], row.cells["commit"]]
-            )
+    known = [f"uncertainty.{key}" for key in keys if any(r.get(f"uncertainty.{key}") for r in rows)]
+    table: list[dict[str, object]] = []
+    for i, row in enumerate(rows):
+        values = {key: row.get(key) for key in (*keys, *known)}
+        values |= {name: of[i] for name, of in (extra or {}).items()}
+        shown = {name: "" if value is None else f"{value:.5g}" for name, value in values.items()}
+        table.append(
+            {"angle_deg": f"{row.angle:g}", "speed_m/s": f"{row.speed:g}"} | shown | made_by(row.cells)
+        )
+    write_rows(path, table)
 
 
 def process_figures(rows: Sequence[Row], runs: Path, out: Path, names: Mapping[int, str]) -> None:
@@ -119,7 +131,15 @@ def keep_statements(statements: Sequence[Statement], path: Path) -> None:
     for s in statements:
         table.add_row(s.source, s.text, "[green]yes[/green]" if s.holds else "[red]no[/red]", s.numbers)
     Console(width=160).print(table)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["paper", "statement", "holds", "numbers"])
-        writer.writerows([s.source, s.text, "yes" if s.holds else "no", s.numbers] for s in statements)
+    write_rows(
+        path,
+        [
+            {
+                "paper": s.source,
+                "statement": s.text,
+                "holds": "yes" if s.holds else "no",
+                "numbers": s.numbers,
+            }
+            for s in statements
+        ],
+    )

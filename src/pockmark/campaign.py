@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -47,12 +47,14 @@ class Case:
 
     scene: Scene
     swept: dict[str, Any]
-    groups: list[str] = field(default_factory=list)
+    groups: list[str]
 
     @property
     def label(self) -> str:
-        """For the terminal."""
-        return ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in self.swept.items()) or "run"
+        """For the terminal: the first group that wants it, and what was swept."""
+        return ", ".join(
+            [self.groups[0], *(f"{key.rpartition('.')[2]} {value}" for key, value in self.swept.items())]
+        )
 
 
 def load(folder: Path) -> Campaign:
@@ -82,8 +84,7 @@ def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> 
             swept = dict(zip(sweep, values, strict=True))
             changes = campaign.set | group.set | (campaign.quick if quick else {}) | swept
             scene = Scene.from_dict(base, source=str(path), overrides=_texts(changes))
-            case = found.setdefault(scene.hash, Case(scene, swept))
-            case.groups.append(group.name)
+            found.setdefault(scene.hash, Case(scene, swept, [])).groups.append(group.name)
     return list(found.values())
 
 

@@ -123,7 +123,7 @@ class Contact(Model):
 
 
 class Numerics(Model):
-    """The method. The defaults are the ones compared in studies/robustness."""
+    """The method. The defaults are the ones compared in studies/README.md."""
 
     scheme: Literal["usf", "musl", "usl", "usavg"] = "usavg"
     shape_functions: Literal["trilinear", "quadratic"] = "trilinear"

@@ -3,7 +3,6 @@
 python studies/particle-group/report.py RESULTS.csv RUNS OUT: `pockmark study particle-group` calls it so.
 """
 
-import csv
 import math
 import sys
 from collections import Counter
@@ -13,7 +12,16 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 import paper
-from reporting import Row, Statement, figure, keep_statements, process_figures, read_results
+from reporting import (
+    Row,
+    Statement,
+    figure,
+    keep_statements,
+    made_by,
+    process_figures,
+    read_results,
+    write_rows,
+)
 from slices import mode_pages
 
 from pockmark.placement import sphere_diameter
@@ -50,60 +58,62 @@ def table_4(rows: Sequence[Row], out: Path) -> None:
         "levelled",
     ]
     keys += ["unlike", "irregular_inside", "irregular_outside"]
-    with (out / "table-4.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(
-            ["angle_deg", "flux_mg/cm2", "speed_m/s", "paper", "ours", *keys, "version", "commit"]
+    table: list[dict[str, object]] = []
+    for row in rows:
+        values = {key: row.get(f"group.{key}") for key in keys}
+        table.append(
+            {
+                "angle_deg": f"{row.angle:g}",
+                "flux_mg/cm2": f"{row.flux * 100:g}",
+                "speed_m/s": f"{row.speed:g}",
+                "paper": paper.LETTERS[_paper(row) - 1],
+                "ours": paper.LETTERS[_ours(row) - 1] if _ours(row) else "none",
+            }
+            | {key: "" if value is None else f"{value:.4g}" for key, value in values.items()}
+            | made_by(row.cells)
         )
-        for row in rows:
-            values = [row.get(f"group.{key}") for key in keys]
-            writer.writerow(
-                [
-                    f"{row.angle:g}",
-                    f"{row.flux * 100:g}",
-                    f"{row.speed:g}",
-                    paper.LETTERS[_paper(row) - 1],
-                    paper.LETTERS[_ours(row) - 1] if _ours(row) else "none",
-                    *("" if value is None else f"{value:.4g}" for value in values),
-                    row.cells["version"],
-                    row.cells["commit"],
-                ]
-            )
+    write_rows(out / "table-4.csv", table)
 
 
 def confusion(rows: Sequence[Row], out: Path) -> None:
     """How often each of the paper's modes is which of ours, for normal and for oblique impact."""
-    with (out / "confusion.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["paper", "none", *paper.LETTERS])
-        for name, part in (
-            ("17", [r for r in rows if r.angle == 0]),
-            ("18", [r for r in rows if r.angle > 0]),
-        ):
-            for mode in range(1, 8):
-                ours = Counter(_ours(row) for row in part if _paper(row) == mode)
-                if ours:
-                    writer.writerow([f"{name}{paper.LETTERS[mode - 1]}", *(ours[n] for n in range(8))])
+    table = []
+    for figure_number, part in (
+        (17, [r for r in rows if r.angle == 0]),
+        (18, [r for r in rows if r.angle > 0]),
+    ):
+        for mode, letter in enumerate(paper.LETTERS, 1):
+            ours = Counter(_ours(row) for row in part if _paper(row) == mode)
+            if ours:
+                counts = {name: ours[n] for n, name in enumerate(("none", *paper.LETTERS))}
+                table.append({"paper": f"{figure_number}{letter}"} | counts)
+    write_rows(out / "confusion.csv", table)
 
 
 def table_5(rows: Sequence[Row], out: Path) -> None:
     """Ranges of the energy fluxes (J/cm^2) of each of our modes; the paper's, with their misprints named."""
-    with (out / "table-5.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        names = ["E_f min", "E_f max", "E_f^n min", "E_f^n max"]
-        writer.writerow(
-            ["angle_deg", "mode", *(f"{n} ours" for n in names), *(f"{n} paper" for n in names), "misprint"]
-        )
-        for angle in (0, 15, 30):
-            for n, letter in enumerate(paper.LETTERS, 1):
-                fluxes = [_energy(row) for row in rows if row.angle == angle and _ours(row) == n]
-                printed = paper.TABLE_5.get((angle, letter))
-                if not fluxes and not printed:
-                    continue
-                total, normal = zip(*fluxes, strict=True) if fluxes else ((), ())
-                ours = [min(total), max(total), min(normal), max(normal)] if fluxes else [None] * 4
-                shown = ["" if v is None else f"{v:.4g}" for v in (*ours, *(printed or [None] * 4))]
-                writer.writerow([angle, letter, *shown, paper.MISPRINTS.get((angle, letter), "")])
+    names = ("E_f min", "E_f max", "E_f^n min", "E_f^n max")
+    table = []
+    for angle in (0, 15, 30):
+        for n, letter in enumerate(paper.LETTERS, 1):
+            fluxes = [_energy(row) for row in rows if row.angle == angle and _ours(row) == n]
+            printed = paper.TABLE_5.get((angle, letter))
+            if not fluxes and not printed:
+                continue
+            total, normal = zip(*fluxes, strict=True) if fluxes else ((), ())
+            ours = [min(total), max(total), min(normal), max(normal)] if fluxes else []
+            table.append(
+                {"angle_deg": angle, "mode": letter}
+                | _named(names, ours, "ours")
+                | _named(names, printed or [], "paper")
+                | {"misprint": paper.MISPRINTS.get((angle, letter), "")}
+            )
+    write_rows(out / "table-5.csv", table)
+
+
+def _named(names: Sequence[str], values: Sequence[float], whose: str) -> dict[str, object]:
+    shown = [f"{value:.4g}" for value in values] or [""] * len(names)
+    return {f"{name} {whose}": value for name, value in zip(names, shown, strict=True)}
 
 
 def figure_19(rows: Sequence[Row], out: Path) -> list[Statement]:
@@ -125,12 +135,12 @@ def figure_19(rows: Sequence[Row], out: Path) -> list[Statement]:
         axes.plot(line / 1e3, theirs(line, root), "k--", label="Eq. 32")
         axes.legend()
     constants = {"factor": fit.factor, "threshold": fit.threshold, "exponent": fit.exponent}
-    with (out / "figure-19.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["constant", "ours", "half-width of the 95 % interval", "paper"])
-        for (name, value), width in zip(constants.items(), fit.intervals, strict=True):
-            writer.writerow([name, f"{value:.5g}", f"{width:.3g}", paper.EQUATION_32[name]])
-        writer.writerow(["goodness of fit", f"{fit.goodness:.4f}", "", paper.EQUATION_32["goodness"]])
+    table = [
+        {"constant": name, "ours": f"{value:.5g}", "half-width of the 95 % interval": f"{width:.3g}"}
+        for (name, value), width in zip(constants.items(), fit.intervals, strict=True)
+    ]
+    table.append({"constant": "goodness", "ours": f"{fit.goodness:.4f}"})
+    write_rows(out / "figure-19.csv", [row | {"paper": paper.EQUATION_32[row["constant"]]} for row in table])
     numbers = ", ".join(
         f"{n} {v:.4g} ± {w:.2g}" for (n, v), w in zip(constants.items(), fit.intervals, strict=True)
     )

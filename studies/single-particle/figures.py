@@ -4,7 +4,7 @@ python studies/single-particle/figures.py RESULTS.csv RUNS OUT: `pockmark study 
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -69,46 +69,51 @@ def figure_7(rows: Sequence[Row], out: Path) -> None:
 def figure_9(rows: Sequence[Row], out: Path) -> None:
     """C_p, D_max and D_min against the speed at each angle."""
     keys = {"depth": "$C_p$", "major_axis": "$D_{max}$", "minor_axis": "$D_{min}$"}
-    with figure(out / "figure-9.png", "speed (km/s)", "um") as axes:
-        for (key, name), style in zip(keys.items(), ("-", "--", ":"), strict=True):
-            for angle in sorted({row.angle for row in rows}):
-                _line(axes, rows, angle, key, f"{name}, {angle:.0f}°", style, unit=1e-6)
-        axes.legend(fontsize="small", ncols=3)
-    write_table(out / "figure-9.csv", rows, list(keys))
+    _against_speed(out / "figure-9", rows, keys, "um", unit=1e-6)
 
 
 def figure_10(rows: Sequence[Row], out: Path) -> None:
     """Positions of the bottom, C_xb, and of the pithead's centre, C_xs."""
     keys = {"bottom_x": "$C_{xb}$", "centre_x": "$C_{xs}$"}
-    with figure(out / "figure-10.png", "speed (km/s)", "x in the scraping direction (um)") as axes:
-        for (key, name), style in zip(keys.items(), ("-", "--"), strict=True):
-            for angle in sorted({row.angle for row in rows}):
-                _line(axes, rows, angle, key, f"{name}, {angle:.0f}°", style, unit=1e-6)
-        axes.legend()
-    write_table(out / "figure-10.csv", rows, list(keys))
+    _against_speed(out / "figure-10", rows, keys, "x in the scraping direction (um)", unit=1e-6)
 
 
 def figure_11(rows: Sequence[Row], out: Path) -> None:
     """The eccentricity ratios."""
-    with figure(out / "figure-11.png", "speed (km/s)", "$e_1$, $e_2$") as axes:
-        for (key, name), style in zip({"e1": "$e_1$", "e2": "$e_2$"}.items(), ("-", "--"), strict=True):
-            for angle in sorted({row.angle for row in rows}):
-                _line(axes, rows, angle, key, f"{name}, {angle:.0f}°", style)
-        axes.axhline(0.0, color="black", linewidth=0.8)
-        axes.legend()
-    write_table(out / "figure-11.csv", rows, ["e1", "e2"])
+    keys = {"e1": "$e_1$", "e2": "$e_2$"}
+    _against_speed(out / "figure-11", rows, keys, "$e_1$, $e_2$", level=0.0)
 
 
 def figure_12(rows: Sequence[Row], out: Path) -> None:
     """The shape factors."""
     keys = {"depth_over_major_axis": "$C_p/D_{max}$", "depth_over_minor_axis": "$C_p/D_{min}$"}
-    with figure(out / "figure-12.png", "speed (km/s)", "shape factor") as axes:
-        for (key, name), style in zip(keys.items(), ("-", "--"), strict=True):
+    _against_speed(out / "figure-12", rows, keys, "shape factor", level=0.5)
+
+
+def _against_speed(
+    path: Path,
+    rows: Sequence[Row],
+    keys: Mapping[str, str],
+    y: str,
+    *,
+    unit: float = 1.0,
+    level: float | None = None,
+) -> None:
+    """A line for each measure and angle, `level` as a dotted one, and the table."""
+    with figure(path.with_suffix(".png"), "speed (km/s)", y) as axes:
+        for (key, name), style in zip(keys.items(), ("-", "--", ":"), strict=False):
             for angle in sorted({row.angle for row in rows}):
-                _line(axes, rows, angle, key, f"{name}, {angle:.0f}°", style)
-        axes.axhline(0.5, color="black", linewidth=0.8, linestyle=":")
-        axes.legend()
-    write_table(out / "figure-12.csv", rows, list(keys))
+                of = [row for row in rows if row.angle == angle and row.get(key) is not None]
+                axes.plot(
+                    [row.speed / 1e3 for row in of],
+                    [row[key] / unit for row in of],
+                    style + MARKS[round(angle)],
+                    label=f"{name}, {angle:.0f}°",
+                )
+        if level is not None:
+            axes.axhline(level, color="black", linewidth=0.8, linestyle=":")
+        axes.legend(fontsize="small", ncols=len(keys))
+    write_table(path.with_suffix(".csv"), rows, list(keys))
 
 
 def _errorbars(axes: Axes, rows: Sequence[Row], key: str, name: str) -> None:
@@ -118,18 +123,6 @@ def _errorbars(axes: Axes, rows: Sequence[Row], key: str, name: str) -> None:
         [row.spread(key) for row in rows],
         fmt="o-",
         capsize=3,
-        label=name,
-    )
-
-
-def _line(
-    axes: Axes, rows: Sequence[Row], angle: float, key: str, name: str, style: str, *, unit: float = 1.0
-) -> None:
-    of = [row for row in rows if row.angle == angle and row.get(key) is not None]
-    axes.plot(
-        [row.speed / 1e3 for row in of],
-        [row[key] / unit for row in of],
-        style + MARKS[round(angle)],
         label=name,
     )
 
