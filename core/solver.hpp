@@ -202,7 +202,7 @@ class Solver {
     return double(points_.at(Field::mass)[p]) * double(materials_[points_.body[p]].specific_volume);
   }
   // To be called when points were changed from outside.
-  void wake() { tiles_.wake(); }
+  void wake() { tiles_.wake(), mapped_ = false; }
   std::int64_t sorts() const { return sorts_; }  // how often points were put in the order of the cells
   std::size_t contact_bytes() const { return contact_ ? contact_->bytes() : 0; }
   std::size_t run_bytes() const { return tiles_.run_count() * sizeof(Run); }
@@ -284,7 +284,8 @@ class Solver {
       std::fill(field.begin() + begin, field.begin() + end, Quad<T>{});
     };
     tiles_.for_each_line(grid_.geometry, threads_, true, [&](int, std::size_t begin, std::size_t end) {
-      zero(grid_.before, begin, end), zero(grid_.after, begin, end);
+      if (!mapped_) zero(grid_.before, begin, end);
+      zero(grid_.after, begin, end);
       if (remaps()) zero(grid_.remapped, begin, end);
     });
     tiles_.forget_stale();
@@ -292,11 +293,15 @@ class Solver {
 
   template <class K>
   void map_to_grid() {
-    tiles_.scatter(threads_, [&](int, const Block& block) {
-      cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block, grid_.before);
-    });
+    if (!mapped_)
+      tiles_.scatter(threads_, [&](int, const Block& block) { add_to_grid<K>(block, grid_.before); });
     fold(grid_.geometry, faces_, grid_.before, Mirrored::vector);
     momentum_to_velocity(grid_.before);
+  }
+
+  template <class K>
+  void add_to_grid(const Block& block, Array<Quad<T>>& momentum) {
+    cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block, momentum);
   }
 
   // The areas of the transmitting faces change with the points behind them, that is, slowly: once a sort.
@@ -413,16 +418,14 @@ class Solver {
   template <class K>
   void map_to_points(bool moves) {
     std::vector<double> taken(tiles_.count());
-    relocated_.assign(tiles_.count(), {});
+    exits_.assign(tiles_.count(), {});
     const auto work = [&](int tile, const Block& block) {
       taken[tile] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
                                                                          T(options_.pic_fraction));
-      if (remaps())
-        cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block,
-                                                                grid_.remapped);
-      if (moves) move_block<K>(tile, block);
+      if (remaps()) add_to_grid<K>(block, grid_.remapped);
+      return moves && move_block<K>(tile, block);
     };
-    remaps() ? tiles_.scatter(threads_, work) : tiles_.gather(threads_, work);
+    moves ? regroup<K>(work, [](int, const Block&) {}) : tiles_.scatter(threads_, work);
     for (double t : taken) pic_energy_ += t;
     if (!remaps()) return;
     fold(grid_.geometry, faces_, grid_.remapped, Mirrored::vector);
@@ -431,39 +434,45 @@ class Solver {
     if (contact_) fit(grid_.remapped);
   }
 
+  // Maps the points to the grid for the next step as well, while they are in the cache.
   template <class K>
   void move() {
-    tiles_.gather(threads_, [&](int tile, const Block& block) {
+    tiles_.for_each_line(grid_.geometry, threads_, false, [&](int, std::size_t begin, std::size_t end) {
+      std::fill(grid_.before.begin() + begin, grid_.before.begin() + end, Quad<T>{});
+    });
+    mapped_ = true;
+    const auto work = [&](int tile, const Block& block) {
       if (options_.scheme == Scheme::usavg) {
         Columns<T, 9> gradient;
         gather_gradient<typename K::Shape, typename K::V>(points_, grid_.geometry, block, grid_.remapped,
                                                           gradient);
         strain_points<typename K::V>(points_, materials_, block, gradient, T(0.5) * T(dt_));
       }
-      move_block<K>(tile, block);
-    });
+      return move_block<K>(tile, block);
+    };
+    regroup<K>(work, [&](int, const Block& block) { add_to_grid<K>(block, grid_.before); });
   }
+  // Whether a point changed its cell.
   template <class K>
-  void move_block(int tile, const Block& block) {
-    move_points<typename K::Shape, typename K::V>(points_, grid_, block, T(dt_), relocated_[tile]);
+  bool move_block(int tile, const Block& block) {
+    return move_points<typename K::Shape, typename K::V>(points_, grid_, block, T(dt_), exits_[tile]);
+  }
+  template <class K, class F, class G>
+  void regroup(F&& moved, G&& then) {
+    tiles_.regroup(points_, grid_.geometry, K::Shape::support, threads_, moved, then);
   }
 
-  // Blocks and runs for the next step. Points are sorted by cell again when that pays: once the runs that
-  // disorder has added since, step by step, have cost as much; and when one has strayed too far from its
-  // tile.
+  // Order for the next step. Points are sorted by cell again when that pays: once the runs that disorder has
+  // added since, step by step, have cost as much; and when one has strayed too far from its tile.
   template <class K>
   void arrange() {
-    for (const auto& tile : relocated_)
-      for (const Exit& exit : tile.exits) account_for(exit);
-    split<K>([&](int tile) { return relocated_[tile].changed; });
+    for (const auto& tile : exits_)
+      for (const Exit& exit : tile) account_for(exit);
+    tiles_.renew_spans();
     disorder_ += std::max(std::int64_t(tiles_.run_count()) - sorted_runs_, std::int64_t(0));
     if (points_per_run_cost * disorder_ > std::int64_t(points_.size()) || !tiles_.hold()) sort<K>();
     if (options_.sleep && cutoff_ == T(0))
-      tiles_.send_to_sleep(cycle_ == 0, [&](int tile) { return rests(tile); });
-  }
-  template <class K, class F>
-  void split(F&& changed) {
-    tiles_.split(points_, grid_.geometry, K::Shape::support, threads_, changed);
+      if (tiles_.send_to_sleep(cycle_ == 0, [&](int tile) { return rests(tile); })) mapped_ = false;
   }
 
   // Whether a step without motion would leave the points of a tile as they are.
@@ -485,9 +494,10 @@ class Solver {
   void sort() {
     sorter_(points_, grid_.before.size(), threads_);
     tiles_.locate(points_, grid_.geometry);
-    split<K>([](int) { return true; });
+    tiles_.split(points_, grid_.geometry, K::Shape::support, threads_);
+    tiles_.renew_spans();
     sorted_runs_ = std::int64_t(tiles_.run_count()), disorder_ = 0;
-    refresh_damping_ = true;
+    refresh_damping_ = true, mapped_ = false;
     ++sorts_;
   }
 
@@ -546,16 +556,17 @@ class Solver {
   std::optional<cpu::Contact<T>> contact_;
   std::vector<std::uint8_t> in_second_;  // of each body, with contact
   Timers timers_;
-  std::vector<Audit> audits_;         // of each tile in the last stress update
-  std::vector<Relocated> relocated_;  // of each tile in the last move
-  std::vector<Exit> outside_;         // points that were put outside the grid
-  std::vector<std::size_t> damped_;   // nodes of transmitting faces
-  Array<Quad<T>> damped_after_;       // their velocities before contact
+  std::vector<Audit> audits_;             // of each tile in the last stress update
+  std::vector<std::vector<Exit>> exits_;  // of each tile in the last move
+  std::vector<Exit> outside_;             // points that were put outside the grid
+  std::vector<std::size_t> damped_;       // nodes of transmitting faces
+  Array<Quad<T>> damped_after_;           // their velocities before contact
   std::size_t live_ = 0;
   std::int64_t sorted_runs_ = 0, disorder_ = 0;
   bool refresh_damping_ = true;
-  Audit audit_;     // of the whole run
-  Audit extremes_;  // of the last stress update
+  bool mapped_ = false;  // whether the points are in grid_.before already
+  Audit audit_;          // of the whole run
+  Audit extremes_;       // of the last stress update
   Departed departed_;
   double time_ = 0, next_time_ = 0, dt_ = 0, first_dt_ = 0;
   std::int64_t cycle_ = 0, sorts_ = 0;

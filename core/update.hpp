@@ -152,14 +152,10 @@ void strain_points(Particles<T>& points, const std::vector<Material<T>>& materia
   });
 }
 
-// What moving did to the points of a tile: whether one changed its cell, and which left through which face.
+// A point that left, and through which face.
 struct Exit {
   std::size_t point;
   int face;
-};
-struct Relocated {
-  bool changed = false;
-  std::vector<Exit> exits;
 };
 
 // The face behind which a point lies, or -1: `f` cells from its first node `base`. Not-a-number counts as
@@ -174,10 +170,11 @@ PM_HD int face_crossed(const GridGeometry<T>& grid, const int (&base)[3], const 
   return -1;
 }
 
-// Gives a point that moved out of its stencil's reach a new one, or has it leave the grid.
+// Gives a point that moved out of its stencil's reach a new one, or has it leave the grid. Returns whether it
+// changed its cell.
 template <class Shape, class T>
-PM_NOINLINE void relocate(Particles<T>& points, const GridGeometry<T>& grid, std::size_t p,
-                          Relocated& relocated) {
+PM_NOINLINE bool relocate(Particles<T>& points, const GridGeometry<T>& grid, std::size_t p,
+                          std::vector<Exit>& exits) {
   int base[3];
   grid.split(points.cell[p], base);
   auto f = points.vector(Field::place, p);
@@ -187,17 +184,20 @@ PM_NOINLINE void relocate(Particles<T>& points, const GridGeometry<T>& grid, std
     base[a] += int(shift), f[a] -= shift;
   }
   const int face = face_crossed(grid, base, f);
-  if (face >= 0) relocated.exits.push_back({p, face});
+  if (face >= 0) exits.push_back({p, face});
   const std::size_t node = grid.field_of(points.cell[p]) + grid.index(base[0], base[1], base[2]);
   const std::uint32_t cell = face >= 0 ? gone : std::uint32_t(node);
-  relocated.changed = relocated.changed || cell != points.cell[p];
+  const bool changed = cell != points.cell[p];
   points.cell[p] = cell;
   points.set_vector(Field::place, p, f);
+  return changed;
 }
 
-// x += dt sum N v_after (6).
+// x += dt sum N v_after (6). Returns whether a point changed its cell.
 template <class Shape, class V, class T = number_t<V>>
-void move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, T dt, Relocated& relocated) {
+bool move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, T dt,
+                 std::vector<Exit>& exits) {
+  bool changed = false;
   const auto& geometry = grid.geometry;
   Columns<T, 3> velocity;
   gather_values<Shape, V>(points, block, velocity, [&](Patch<Shape, T>& patch, const Run& run) {
@@ -211,9 +211,9 @@ void move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, 
                    V(cells_per_speed) * velocity.template vector<V>(p - block.begin);
     points.set_vector(Field::place, p, f, n);
     if (any(!(inside(f.x) && inside(f.y) && inside(f.z)) && first_lanes<V>(n)))
-      for (int i = 0; i < n; ++i) relocate<Shape>(points, geometry, p + i, relocated);
+      for (int i = 0; i < n; ++i) changed |= relocate<Shape>(points, geometry, p + i, exits);
   });
-  if (Shape::offset == 0) return;
+  if (Shape::offset == 0) return changed;
   // These functions reach beyond the faces: a point can leave the grid and keep its stencil.
   for_each_run(block, [&](const Run& run) {
     bool rim = false;
@@ -222,8 +222,9 @@ void move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, 
     if (!rim) return;
     for (std::size_t p = run.begin; p < run.end; ++p)
       if (points.cell[p] == run.node && face_crossed(geometry, run.base, points.vector(Field::place, p)) >= 0)
-        relocate<Shape>(points, geometry, p, relocated);
+        changed |= relocate<Shape>(points, geometry, p, exits);
   });
+  return changed;
 }
 
 }  // namespace pockmark

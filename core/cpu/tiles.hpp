@@ -34,13 +34,14 @@ class Tiles {
   }
   int count() const { return int(tiles_.size()); }
 
-  // Splits the points of the tiles for which changed(tile) into blocks and runs. Points that are gone are in
-  // none.
-  template <class T, class F>
-  void split(const Particles<T>& points, const GridGeometry<T>& grid, int support, int threads, F&& changed) {
+  // Splits the points of every tile into blocks and runs. Points that are gone are in none.
+  template <class T>
+  void split(const Particles<T>& points, const GridGeometry<T>& grid, int support, int threads) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int t = 0; t < count(); ++t)
-      if (changed(t)) split_tile(points, grid, support, t);
+    for (int t = 0; t < count(); ++t) split_tile(points, grid, support, t);
+  }
+  // What nodes the tiles touch from now on. To be called once a step, after points have moved.
+  void renew_spans() {
     for (int t = 0; t < count(); ++t) {
       Span all;
       for_each_neighbour(t, [&](int u) { all.cover(tiles_[u].touched); });
@@ -59,25 +60,21 @@ class Tiles {
 
   // Whether every point is still within a plane and a row of its tile.
   bool hold() const {
-    for (int t = 0; t < count(); ++t) {
-      const int plane = t / across_ * planes, row = t % across_ * rows;
-      for (const auto& run : tiles_[t].runs)
-        if (run.base[0] < plane - 1 || run.base[0] > plane + planes || run.base[1] < row - 1 ||
-            run.base[1] > row + rows)
-          return false;
-    }
-    return true;
+    return std::none_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.astray; });
   }
 
   // A tile sleeps while its points and those of its neighbours rest: no node that it touches can move. Asks
-  // rests(tile) of the tiles that have rested until now, of all at the start.
+  // rests(tile) of the tiles that have rested until now, of all at the start. Returns whether one fell asleep
+  // or woke.
   template <class F>
-  void send_to_sleep(bool start, F&& rests) {
+  bool send_to_sleep(bool start, F&& rests) {
+    bool changed = false;
     for (int t = 0; t < count(); ++t)
       if (start || (tiles_[t].rests && !tiles_[t].sleeps)) tiles_[t].rests = rests(t);
     for (int t = 0; t < count(); ++t) {
       bool all = true;
       for_each_neighbour(t, [&](int u) { all = all && tiles_[u].rests; });
+      changed = changed || tiles_[t].sleeps != all;
       tiles_[t].sleeps = all;
     }
     for (int t = 0; t < count(); ++t) {
@@ -85,6 +82,7 @@ class Tiles {
       for_each_neighbour(t, [&](int u) { all = all && tiles_[u].sleeps; });
       tiles_[t].idles = all;
     }
+    return changed;
   }
   void wake() {
     for (auto& tile : tiles_) tile.rests = tile.sleeps = tile.idles = false;
@@ -112,11 +110,15 @@ class Tiles {
   // As gather, but `F` may add to the nodes under the block.
   template <class F>
   void scatter(int threads, F&& f) const {
-    for (int colour = 0; colour < 4; ++colour) {
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-      for (int t = 0; t < count(); ++t)
-        if (!sleeps(t) && t / across_ % 2 * 2 + t % across_ % 2 == colour) for_each_block(t, f);
-    }
+    by_colour(threads, [&](int t) { for_each_block(t, f); });
+  }
+  // As scatter, where moved(tile, block) may move the points of a block and says whether one changed its
+  // cell: then its points are split again. then(tile, block) may add to the nodes under the blocks that
+  // result.
+  template <class T, class F, class G>
+  void regroup(const Particles<T>& points, const GridGeometry<T>& grid, int support, int threads, F&& moved,
+               G&& then) {
+    by_colour(threads, [&](int t) { regroup_tile(points, grid, support, t, moved, then); });
   }
 
   // f(tile, first node, end) over the nodes of each tile that points touch, line by line; `stale`: or touched
@@ -144,13 +146,38 @@ class Tiles {
     int begin = INT32_MAX, end = INT32_MIN;
     void cover(const Span& other) { begin = std::min(begin, other.begin), end = std::max(end, other.end); }
   };
-  struct Tile {
+  // Blocks, and their runs in the same order.
+  struct Groups {
     std::vector<Block> blocks;
     std::vector<Run> runs;
+    void clear() { blocks.clear(), runs.clear(); }
+    void add(const Block& block) {
+      runs.insert(runs.end(), block.runs, block.runs + block.run_count);
+      blocks.push_back(block);
+    }
+    // The runs may have moved in memory.
+    void link(std::size_t first_block, std::size_t first_run) {
+      const Run* first = runs.data() + first_run;
+      for (std::size_t b = first_block; b < blocks.size(); ++b)
+        blocks[b].runs = first, first += blocks[b].run_count;
+    }
+  };
+  struct Tile : Groups {
     Span touched;        // by its own points
     Span active, stale;  // by its points and those of its neighbours, in this step and before
     bool rests = false, sleeps = false, idles = false;  // idles: it and its neighbours sleep
+    bool astray = false;                                // a point is farther than a plane or a row away
   };
+
+  // f(tile) for each that is awake; a colour's in parallel.
+  template <class F>
+  void by_colour(int threads, F&& f) const {
+    for (int colour = 0; colour < 4; ++colour) {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+      for (int t = 0; t < count(); ++t)
+        if (!sleeps(t) && t / across_ % 2 * 2 + t % across_ % 2 == colour) f(t);
+    }
+  }
 
   // f(plane, row) for each of a tile.
   template <class F>
@@ -170,17 +197,51 @@ class Tiles {
   template <class T>
   void split_tile(const Particles<T>& points, const GridGeometry<T>& grid, int support, int t) {
     Tile& tile = tiles_[t];
-    tile.blocks.clear(), tile.runs.clear();
+    tile.clear(), tile.astray = false;
     // The points of a tile are consecutive plane by plane, field by field.
     const int first_plane = t / across_ * planes, end_plane = std::min(first_plane + planes, nodes_[0]);
     for (std::size_t field = 0; field < grid.field_count; ++field)
       for (int i = first_plane; i < end_plane; ++i) {
         const std::size_t at = stretch(field, i, t % across_);
-        for (std::size_t p = begin_[at]; p < begin_[at + 1];)
-          p = add_block(points, grid, tile, p, begin_[at + 1]);
+        add_blocks(points, grid, tile, begin_[at], begin_[at + 1]);
       }
-    const Run* first = tile.runs.data();
-    for (Block& block : tile.blocks) block.runs = first, first += block.run_count;
+    tile.link(0, 0);
+    find_touched(tile, support);
+  }
+  template <class T, class F, class G>
+  void regroup_tile(const Particles<T>& points, const GridGeometry<T>& grid, int support, int t, F&& moved,
+                    G&& then) {
+    thread_local Groups fresh;
+    fresh.clear();
+    Tile& tile = tiles_[t];
+    bool changed = false;
+    for (const Block& old : tile.blocks) {
+      const std::size_t first_block = fresh.blocks.size(), first_run = fresh.runs.size();
+      if (!moved(t, old)) {
+        fresh.add(old);
+        then(t, old);
+        continue;
+      }
+      changed = true;
+      add_blocks(points, grid, fresh, old.begin, old.end);
+      fresh.link(first_block, first_run);
+      for (std::size_t b = first_block; b < fresh.blocks.size(); ++b)
+        within_reach(t, fresh.blocks[b]) ? then(t, fresh.blocks[b]) : void(tile.astray = true);
+    }
+    if (!changed) return;
+    std::swap(static_cast<Groups&>(tile), fresh);
+    tile.link(0, 0);
+    find_touched(tile, support);
+  }
+  // Whether the points of a block are within a plane and a row of tile t.
+  bool within_reach(int t, const Block& block) const {
+    const int plane = t / across_ * planes, row = t % across_ * rows;
+    return std::all_of(block.runs, block.runs + block.run_count, [&](const Run& run) {
+      return run.base[0] >= plane - 1 && run.base[0] <= plane + planes && run.base[1] >= row - 1 &&
+             run.base[1] <= row + rows;
+    });
+  }
+  void find_touched(Tile& tile, int support) const {
     tile.touched = {};
     if (tile.runs.empty()) return;
     for (const Run& run : tile.runs) tile.touched.cover({run.base[2], run.base[2] + support});
@@ -188,9 +249,14 @@ class Tiles {
     tile.touched.begin = std::max(tile.touched.begin - 2, 0);
     tile.touched.end = std::min(tile.touched.end + 2, nodes_[2]);
   }
+  template <class T>
+  static void add_blocks(const Particles<T>& points, const GridGeometry<T>& grid, Groups& groups,
+                         std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end;) p = add_block(points, grid, groups, p, end);
+  }
   // Adds the block that begins with point p; returns where the next one begins.
   template <class T>
-  static std::size_t add_block(const Particles<T>& points, const GridGeometry<T>& grid, Tile& tile,
+  static std::size_t add_block(const Particles<T>& points, const GridGeometry<T>& grid, Groups& groups,
                                std::size_t p, std::size_t end) {
     if (points.cell[p] == gone) return p + 1;
     Block block{p, p, true, 0, nullptr};
@@ -202,13 +268,13 @@ class Tiles {
       while (++block.end < end && points.cell[block.end] == run.node) {
       }
       run.end = block.end;
-      tile.runs.push_back(run);
+      groups.runs.push_back(run);
       ++block.run_count;
     }
     unsigned differs = 0;
     for (std::size_t q = p; q < block.end; ++q) differs |= points.body[q] ^ points.body[p];
     block.one_body = differs == 0;
-    tile.blocks.push_back(block);
+    groups.blocks.push_back(block);
     return block.end;
   }
 
