@@ -109,9 +109,9 @@ def write_table(
 
 
 def process_figures(rows: Sequence[Row], runs: Path, out: Path, names: Mapping[int, str]) -> None:
-    """Stress and pressure of the runs of the group `panels`, named by their angle in degrees."""
+    """Stress and pressure of the runs of the group `panels` that are there, named by their angle in degrees."""
     for row in rows:
-        if "panels" in row.groups:
+        if "panels" in row.groups and (runs / row.scene).exists():
             plot_process(runs / row.scene).savefig(out / names[round(row.angle)], dpi=100)
 
 

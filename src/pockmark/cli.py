@@ -157,8 +157,8 @@ def study(
         console.print("[yellow]interrupted: what is done is kept, the same command goes on[/yellow]")
         raise typer.Exit(130) from None
     console.print(summary(outcomes, campaign.title or name))
-    table = (output if quick or only else folder) / f"results{'-quick' if quick else ''}.csv"
-    write_results(outcomes, output, table)
+    table = (output if quick else folder) / f"results{'-quick' if quick else ''}.csv"
+    write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
     console.print(f"wrote {table}")
     if campaign.report:
         make_report(folder / campaign.report, table, output)

@@ -3,7 +3,7 @@
 import csv
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
 from multiprocessing import get_context
@@ -93,15 +93,19 @@ def summary(outcomes: Sequence[Outcome], title: str) -> Table:
     return table
 
 
-def write_results(outcomes: Sequence[Outcome], out: Path, path: Path) -> None:
-    """One row a run of those in `out`: swept keys, groups, every measure (SI), and what version made it."""
-    rows = [
+def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: Sequence[Case] = ()) -> None:
+    """One row a run of those in `out`: swept keys, groups, every measure (SI), and what version made it. Rows of the
+    campaign's other runs that the table has of this version stay."""
+    rows: list[Mapping[str, Any]] = [
         outcome.case.swept
         | {"groups": " ".join(outcome.case.groups), "fault": outcome.fault, "scene": outcome.case.scene.hash}
         | dict(_flat(outcome.result or {}))
         | _made_by(place(out, outcome.case))
         for outcome in outcomes
     ]
+    order = {case.scene.hash: i for i, case in enumerate(campaign)}
+    rows += _rows_of_others(path, order.keys() - {outcome.case.scene.hash for outcome in outcomes})
+    rows.sort(key=lambda row: order.get(row["scene"], 0))
     columns = dict.fromkeys(key for row in rows for key in row)
     with told(path):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -109,6 +113,14 @@ def write_results(outcomes: Sequence[Outcome], out: Path, path: Path) -> None:
             writer = csv.DictWriter(file, list(columns), restval="")
             writer.writeheader()
             writer.writerows(rows)
+
+
+def _rows_of_others(path: Path, others: Set[str]) -> list[dict[str, str]]:
+    if not path.exists():
+        return []
+    with told(path), path.open(newline="", encoding="utf-8") as file:
+        found = list(csv.DictReader(file))
+    return [row for row in found if row.get("scene") in others and row.get("version") == __version__]
 
 
 def make_report(script: Path, table: Path, runs: Path) -> None:

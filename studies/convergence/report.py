@@ -50,9 +50,10 @@ def main() -> None:
         if finished:
             write_rows(out / f"{name}.csv", [_model(n, row, paper[n - 1]) for n, row in finished])
             write_rows(out / f"{name}-order.csv", _orders(finished, paper))
-            write_rows(
-                out / "ringing.csv", [cells for n, row in finished for cells in _ringing(n, row, runs)]
-            )
+            if all((runs / row["scene"]).exists() for _, row in finished):
+                write_rows(
+                    out / "ringing.csv", [cells for n, row in finished for cells in _ringing(n, row, runs)]
+                )
     variants = [
         row
         for row in rows

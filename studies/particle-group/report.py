@@ -22,7 +22,7 @@ from reporting import (
     read_results,
     write_rows,
 )
-from slices import mode_pages
+from slices import keep_slices, mode_pages
 
 from pockmark.placement import sphere_diameter
 from pockmark.scaling import Fit, energy_flux, fit_depth
@@ -41,7 +41,8 @@ def main() -> None:
     confusion(swept, out)
     table_5(swept, out)
     found = [*_modes(swept), *_depths(swept), *figure_19(swept, out)]
-    mode_pages(swept, runs, out)
+    keep_slices(swept, runs, out / "slices")
+    mode_pages(swept, out / "slices", out)
     process_figures(rows, runs, out, PROCESSES)
     keep_statements(found, out / "trends.csv")
 

@@ -13,18 +13,23 @@ def profile_figure(rows: Sequence[Row], runs: Path, out: Path) -> None:
     frictional = [row for row in rows if row.friction is not None]
     if not frictional:
         return
-    sticky = [row for row in rows if "sticky" in row.groups]
-    with figure(out / "figure-4.png", "x (um)", "z (um)") as axes:
-        for row, style in zip([*sticky, *frictional], ["k-", *["-"] * len(frictional)], strict=True):
+    shown = [*(row for row in rows if "sticky" in row.groups), *frictional]
+    if all((runs / row.scene).exists() for row in shown):
+        _draw(shown, runs, out / "figure-4.png")
+    write_table(
+        out / "figure-4.csv",
+        shown,
+        ["depth", "major_axis", "minor_axis", "volume"],
+        {"friction": [row.friction for row in shown]},
+    )
+
+
+def _draw(rows: Sequence[Row], runs: Path, path: Path) -> None:
+    with figure(path, "x (um)", "z (um)") as axes:
+        for row in rows:
             surface = surface_of_run(runs / row.scene)
             line = max(surface.section(1, 0.0), key=len) * 1e6 if surface else []
-            name = "sticky" if row.friction is None else f"friction {row.friction:g}"
+            name, style = ("sticky", "k-") if row.friction is None else (f"friction {row.friction:g}", "-")
             axes.plot(*zip(*line, strict=True), style, linewidth=1, label=name)
         axes.set_aspect("equal")
         axes.legend(fontsize="small")
-    write_table(
-        out / "figure-4.csv",
-        [*sticky, *frictional],
-        ["depth", "major_axis", "minor_axis", "volume"],
-        {"friction": [row.friction for row in [*sticky, *frictional]]},
-    )

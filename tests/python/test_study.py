@@ -74,6 +74,24 @@ def test_what_is_done_is_kept_and_what_fails_stops_nothing(folder, tmp_path):
     assert summary(again, "t").row_count == 3
 
 
+def test_a_part_of_a_campaign_keeps_the_rows_of_the_others(folder, tmp_path):
+    out, table = tmp_path / "runs", tmp_path / "results.csv"
+    every = cases(load(folder), folder, quick=False, only=[])
+
+    def rows(*wanted):
+        outcomes = run_study(wanted, out, jobs=1, console=Console(file=io.StringIO()))
+        write_results(outcomes, out, table, every)
+        return list(csv.DictReader(table.open()))
+
+    last = rows(every[1])[0]
+    found = rows(every[0])
+    assert [row["scene"] for row in found] == [case.scene.hash for case in every[:2]]
+    assert {key: value for key, value in found[1].items() if value} == {k: v for k, v in last.items() if v}
+    # Of another version, or of no run of the campaign any more.
+    table.write_text(table.read_text().replace(__version__, "0.0.1").replace(every[0].scene.hash, "gone"))
+    assert [row["scene"] for row in rows(every[2])] == [every[2].scene.hash]
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
