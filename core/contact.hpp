@@ -17,7 +17,7 @@ struct Meeting {
   // How far (m) each body reaches beyond the node: the first along the normal, the second against it.
   T reach[2] = {std::numeric_limits<T>::lowest() / 4, std::numeric_limits<T>::lowest() / 4};
   // Impulses of the first body on the second (kg m/s): what the points feel, and twice the mean of what makes
-  // the nodal velocities that strain and move them compatible (19).
+  // the nodal velocities that strain and move them compatible (20).
   Vec3<T> impulse{}, twice_fitted{};
 
   PM_HD bool touches() const { return reach[0] + reach[1] >= T(0); }

@@ -24,6 +24,12 @@ class Solid(Model):
     projectile: bool = False
 
 
+def require_size(lower: Sequence[float], upper: Sequence[float]) -> None:
+    """Raises ValueError unless the corners of a box or patch span something in each direction."""
+    if min(u - w for w, u in zip(lower, upper, strict=True)) <= 0:
+        raise ValueError("upper must exceed lower in each direction")
+
+
 class Block(Solid):
     """A brick of material between two corners."""
 
@@ -33,8 +39,7 @@ class Block(Solid):
 
     @model_validator(mode="after")
     def _has_size(self) -> Self:
-        if min(u - w for w, u in zip(self.lower, self.upper, strict=True)) <= 0:
-            raise ValueError("upper must exceed lower in each direction")
+        require_size(self.lower, self.upper)
         return self
 
     @property
@@ -108,8 +113,7 @@ class Swarm(Balls):
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
-        if min(u - w for w, u in zip(self.lower, self.upper, strict=True)) <= 0:
-            raise ValueError("upper must exceed lower in each direction")
+        require_size(self.lower, self.upper)
         if (self.pitch is None) == (self.seed is None):
             raise ValueError("needs either pitch, for balls on a lattice, or seed, for random places")
         if self.pitch is not None and (self.number is not None or (self.flux or self.radius) is None):

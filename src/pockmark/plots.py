@@ -1,6 +1,6 @@
 """Pictures of a run: the slice through the crater (the panels of Liu et al. 2015, Figs. 5 and 8) and the history."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -53,6 +53,7 @@ class Cut:
     pressure: Array
     body: NDArray[Any]
     is_projectile: NDArray[np.bool_]
+    time: float  # ns
 
     @classmethod
     def of(cls, snapshot: Fields, cast: Cast, plane: float, spacing: float) -> "Cut":
@@ -67,6 +68,7 @@ class Cut:
             snapshot["pressure"][near] / 1e6,
             body,
             np.isin(body, cast.projectiles),
+            float(snapshot["time"][0]) * 1e9,
         )
 
     @property
@@ -113,7 +115,7 @@ def slice_figure(
     return figure
 
 
-def process_figure(snapshots: Sequence[Fields], cast: Cast, *, plane: float, spacing: float) -> Figure:
+def process_figure(snapshots: Iterable[Fields], cast: Cast, *, plane: float, spacing: float) -> Figure:
     """Effective stress above, pressure below, a column a snapshot: the panels of Liu et al. 2015, Figs. 5 and 8."""
     cuts = [Cut.of(snapshot, cast, plane, spacing) for snapshot in snapshots]
     limits = cuts[-1].limits
@@ -127,8 +129,8 @@ def process_figure(snapshots: Sequence[Fields], cast: Cast, *, plane: float, spa
             axes.set(xlim=limits[0], ylim=limits[1], aspect="equal", facecolor=AIR)
         row[0].set_ylabel("z (um)")
         figure.colorbar(scale, ax=row, label=name)
-    for axes, snapshot in zip(rows[0], snapshots, strict=True):
-        axes.set_title(f"{float(snapshot['time'][0]) * 1e9:.0f} ns")
+    for axes, cut in zip(rows[0], cuts, strict=True):
+        axes.set_title(f"{cut.time:.0f} ns")
     for axes in rows[1]:
         axes.set_xlabel("x (um)")
     figure.draw_without_rendering()

@@ -13,7 +13,7 @@ from .lining import lining
 from .modes import measures_of, mode_of
 from .morphology import Group
 from .scene import Mirror
-from .surface import Field, target_field
+from .surface import Field, Surface, target_field
 from .uncertainty import LEVELS, uncertainties
 
 SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
@@ -49,9 +49,9 @@ def field_of(
     return target_field(position, snapshot["volume"][is_target], spacing, mirrors=mirrors)
 
 
-def crater_of(field: Field | None) -> Crater | None:
-    """The crater in the field; None if there is none."""
-    return None if field is None else measure_crater(field.surface())
+def crater_of(surface: Surface | None) -> Crater | None:
+    """The crater in the target's surface; None if there is none."""
+    return None if surface is None else measure_crater(surface)
 
 
 def morphology_table(

@@ -138,7 +138,8 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     }
     snapshot = folder.last_snapshot()
     field = _field(snapshot, scene)
-    crater, mass = results.crater_of(field), _projectile_mass(scene)
+    surface = _surface(field)
+    crater, mass = results.crater_of(surface), _projectile_mass(scene)
     table = results.result_table(
         crater,
         float(snapshot["time"][0]),
@@ -156,7 +157,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,
     )
-    if group := _group(field, scene):
+    if group := group_of(surface, scene):
         table["group"] = results.group_table(group, oblique=scene.impact.angle > 0)
     table["ejecta"] = results.ejecta_table(
         snapshot,
@@ -184,7 +185,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
             _cast(scene),
             plane=_slice_plane(scene),
             spacing=_target_spacing(scene),
-            crater=results.crater_of(_field(snapshot, scene)),
+            crater=results.crater_of(_surface(_field(snapshot, scene))),
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
         ),
         "history.png": history_figure(folder.history(*HISTORY_COLUMNS)),
@@ -196,36 +197,29 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     return [target / name for name in figures]
 
 
-def group_of_run(path: str | Path) -> Group | None:
-    """The craters of the swarm in the last snapshot of a run folder; None without a swarm or a crater."""
-    folder = RunFolder.open(path)
-    scene = folder.scene()
-    return _group(_field(folder.last_snapshot(), scene), scene)
-
-
-def _group(field: Field | None, scene: Scene) -> Group | None:
+def group_of(surface: Surface | None, scene: Scene) -> Group | None:
+    """The craters of the scene's swarm in the surface that it left; None without a swarm or a crater."""
     swarms = [body for i in scene.projectiles if isinstance(body := scene.body[i], Swarm)]
-    if not swarms or field is None:
+    if not swarms or surface is None:
         return None
     centers = np.array(swarms[0].centers)
     hits = centers[:, :2] + np.outer(centers[:, 2], [math.tan(scene.impact.angle), 0.0])
     for mirror in scene.mirrors:
         hits = with_image(hits, mirror)
-    return measure_group(field.surface(), hits, swarms[0].distance)
+    return measure_group(surface, hits, swarms[0].distance)
 
 
 def surface_of_run(path: str | Path) -> Surface | None:
     """The target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
     folder = RunFolder.open(path)
-    field = _field(folder.last_snapshot(), folder.scene())
-    return None if field is None else field.surface()
+    return _surface(_field(folder.last_snapshot(), folder.scene()))
 
 
 def plot_process(path: str | Path) -> Figure:
     """Stress and pressure in the last four snapshots of a run folder."""
     folder = RunFolder.open(path)
     scene = folder.scene()
-    snapshots = [Snapshot(file) for file in folder.snapshots()[-4:]]
+    snapshots = map(Snapshot, folder.snapshots()[-4:])
     return process_figure(snapshots, _cast(scene), plane=_slice_plane(scene), spacing=_target_spacing(scene))
 
 
@@ -236,6 +230,10 @@ def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,
     )
+
+
+def _surface(field: Field | None) -> Surface | None:
+    return None if field is None else field.surface()
 
 
 def _cast(scene: Scene) -> Cast:

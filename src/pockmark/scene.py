@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from .bodies import Body, Sphere, Swarm, Vector, overlap
+from .bodies import Body, Sphere, Swarm, Vector, overlap, require_size
 from .errors import PockmarkError, found
 from .lattice import count, size
 from .materials import Material, Model, complete
@@ -63,8 +63,7 @@ class Grid(Model):
 
     @model_validator(mode="after")
     def _has_size(self) -> Self:
-        if min(u - w for w, u in zip(self.lower, self.upper, strict=True)) <= 0:
-            raise ValueError("upper must exceed lower in each direction")
+        require_size(self.lower, self.upper)
         # With the rim around them; in floats, which may be infinite where no whole number is.
         nodes = math.prod((u - w) / self.cell + 4 for w, u in zip(self.lower, self.upper, strict=True))
         if not nodes <= MAX_NODES:

@@ -23,18 +23,20 @@ REACH = 3  # nodes that a tent may reach beyond the box
 
 
 @dataclass(frozen=True)
-class Surface:
-    """Nodes x (nx,), y (ny,), z (nz,) m; solid fraction (nx, ny, nz), 1/2 on the surface; point spacing m.
-
-    What lies behind a symmetry plane is there too. Only what is open to the outside is not solid: closed voids are
-    filled, pieces that do not hang together with the target are gone.
-    """
+class OnNodes:
+    """A fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m; point spacing m. What lies behind a symmetry plane
+    is there too."""
 
     x: Array
     y: Array
     z: Array
     fraction: Array
     spacing: float
+
+
+class Surface(OnNodes):
+    """The solid fraction, 1/2 on the surface. Only what is open to the outside is not solid: closed voids are filled,
+    pieces that do not hang together with the target are gone."""
 
     def section(self, axis: int, at: float) -> list[Array]:
         """Lines (n, 2), m, where the surface cuts the plane x (`axis` 0), y or z = `at`; the other axes in their order.
@@ -51,15 +53,8 @@ class Surface:
         return [origin + line * self.spacing / 2 for line in lines]
 
 
-@dataclass(frozen=True)
-class Field:
-    """The target's volume fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m; point spacing m."""
-
-    x: Array
-    y: Array
-    z: Array
-    fraction: Array
-    spacing: float
+class Field(OnNodes):
+    """The target's volume fraction."""
 
     def surface(self, level: float = 0.5) -> Surface:
         """With `level` as the fraction that is taken as the surface."""

@@ -10,7 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from pockmark.modes import ROMAN
-from pockmark.run import group_of_run, surface_of_run
+from pockmark.run import group_of, surface_of_run
+from pockmark.store import RunFolder
 
 
 def main() -> None:
@@ -25,7 +26,8 @@ def main() -> None:
     depths = {}
     for axes, row in zip(panels, rows, strict=False):
         seed, mode = row["body.swarm.seed"], row.get("group.mode")
-        surface, group = surface_of_run(runs / row["scene"]), group_of_run(runs / row["scene"])
+        surface = surface_of_run(runs / row["scene"])
+        group = group_of(surface, RunFolder.open(runs / row["scene"]).scene())
         lines = surface.section(2, -surface.spacing / 2) if surface else []
         for line in lines:
             axes.plot(*(line * 1e6).T, "k-", linewidth=0.8)

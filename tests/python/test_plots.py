@@ -9,7 +9,7 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from pockmark.crater import Crater
-from pockmark.plots import Cast, history_figure, slice_figure
+from pockmark.plots import Cast, history_figure, process_figure, slice_figure
 
 UM = 1e-6
 H = 2.0 * UM  # point spacing
@@ -32,6 +32,7 @@ def snapshot() -> dict[str, NDArray[Any]]:
         "body": np.repeat([TARGET, PROJECTILE], [len(p) for p in parts]),
         "deviator": deviator,
         "pressure": np.full(n, -250e6),
+        "time": np.array([20e-9]),
     }
 
 
@@ -94,6 +95,16 @@ def test_the_panels_fill_the_figure(snapshot, stretch):
     assert blank < 2.2  # inches: titles, labels and the ticks' numbers
 
 
+def test_a_process_has_a_column_a_snapshot_read_one_at_a_time(snapshot):
+    times = (20e-9, 40e-9)
+    figure = process_figure(
+        (snapshot | {"time": np.array([time])} for time in times), CAST, plane=0.0, spacing=H
+    )
+    titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
+    assert titles == ["20 ns", "40 ns"]
+    assert all(len(axes.collections[0].get_offsets()) == 20 * 10 for axes in figure.axes[:4])
+
+
 def test_a_slice_without_points_is_drawn(snapshot):
     slice_figure(snapshot, CAST, plane=1.0, spacing=H, crater=None, title="nothing there")
 
@@ -130,7 +141,8 @@ def test_crater_depth_is_marked(snapshot):
 
 def test_a_slice_without_projectile_is_drawn(snapshot, tmp_path: Path):
     kept = snapshot["body"] == TARGET
-    figure, _ = draw({name: values[kept] for name, values in snapshot.items()})
+    of_points = snapshot.keys() - {"time"}
+    figure, _ = draw(snapshot | {name: snapshot[name][kept] for name in of_points})
     figure.savefig(tmp_path / "crater.png")
 
 
