@@ -5,6 +5,7 @@ cases: schemes, precisions, threads, instruction sets (rates.csv). growth: from 
 """
 
 import argparse
+import csv
 import json
 import os
 import subprocess
@@ -14,9 +15,10 @@ from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
-from campaign import keep
+from reporting import write_rows
 
-from pockmark import Scene, Simulation
+from pockmark import Scene, Simulation, __version__
+from pockmark.store import commit
 
 HERE = Path(__file__).parent
 QUADRATIC = ["--set", "numerics.shape_functions=quadratic"]
@@ -97,6 +99,16 @@ def age(only: list[str] | None) -> Iterator[dict[str, Any]]:
                 "M_particle_steps_s": f"{rate / 1e6:.2f}",
                 "steps_per_sort": f"{steps / max(simulation.sorts - sorts, 1):.0f}",
             }
+
+
+def keep(path: Path, row: dict[str, Any]) -> None:
+    """Put a row into a CSV table, in place of an older one of the same case, with the version that made it."""
+    rows: dict[str, dict[str, Any]] = {}
+    if path.exists():
+        with path.open(newline="", encoding="utf-8") as file:
+            rows = {there["case"]: there for there in csv.DictReader(file)}
+    rows[row["case"]] = row | {"version": __version__, "commit": commit()}
+    write_rows(path, list(rows.values()))
 
 
 def main() -> None:

@@ -77,9 +77,9 @@ def figure(path: Path, x: str, y: str) -> Iterator[Axes]:
 
 
 def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
-    """A CSV table of rows that have the same columns, or some of the first one's."""
+    """A CSV table; what a row has no value for stays empty."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]) if rows else [], restval="")
+        writer = csv.DictWriter(file, list(dict.fromkeys(key for row in rows for key in row)), restval="")
         writer.writeheader()
         writer.writerows(rows)
 

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -51,3 +52,10 @@ def test_the_lanes_agree_with_the_scalar_driver(scheme, shape, precision, tolera
         off = np.abs(ends[1][name] - scalar).max() / np.abs(scalar).max()
         print(f"{scheme}, {shape}, {precision}: {name} differs by {off:.1e} of its largest")
         assert off < tolerance
+
+
+@pytest.mark.parametrize("what", ["cases", "growth"])
+def test_the_benchmark_script_starts(what):
+    """With no case to run: its imports and its tables' places."""
+    script = Path(__file__).parents[2] / "benchmarks" / "run.py"
+    subprocess.run([sys.executable, script, what, "--only", "nothing"], check=True, timeout=120)
