@@ -46,6 +46,12 @@ using number_t = typename Pack<V>::Number;
 template <class V>
 using mask_t = typename Pack<V>::Mask;
 template <class V>
+struct RunPack {
+  using type = V;
+};
+template <class V>
+using run_pack_t = typename RunPack<V>::type;
+template <class V>
 PM_HD mask_t<V> first_lanes(int n) {
   return Pack<V>::first(n);
 }
@@ -62,16 +68,17 @@ inline constexpr int lane_bytes = 32;
 
 template <class T>
 struct LaneMask;
-template <class T>
+template <class T, int bytes>
 struct LaneVector {
-  typedef T type __attribute__((vector_size(lane_bytes)));
-  typedef T in_memory __attribute__((vector_size(lane_bytes), aligned(alignof(T))));
+  typedef T type __attribute__((vector_size(bytes)));
+  typedef T in_memory __attribute__((vector_size(bytes), aligned(alignof(T))));
 };
 
-template <class T>
+// Masks are for packs of the full width.
+template <class T, int bytes = lane_bytes>
 struct Lanes {
-  static constexpr int width = lane_bytes / int(sizeof(T));
-  using Raw = typename LaneVector<T>::type;
+  static constexpr int width = bytes / int(sizeof(T));
+  using Raw = typename LaneVector<T, bytes>::type;
   Raw v;
 
   Lanes() = default;
@@ -103,10 +110,19 @@ PM_HD __m512d blend(unsigned m, __m512d yes, __m512d no) {
 PM_HD __m512 blend(unsigned m, __m512 yes, __m512 no) { return _mm512_mask_blend_ps(__mmask16(m), no, yes); }
 PM_HD __m512d vector_root(__m512d x) { return _mm512_maskz_sqrt_pd(0xff, x); }
 PM_HD __m512 vector_root(__m512 x) { return _mm512_maskz_sqrt_ps(0xffff, x); }
-PM_HD __m512d masked_load(unsigned m, const double* at) { return _mm512_maskz_loadu_pd(__mmask8(m), at); }
-PM_HD __m512 masked_load(unsigned m, const float* at) { return _mm512_maskz_loadu_ps(__mmask16(m), at); }
+// The last argument says how wide.
+PM_HD __m512d masked_load(unsigned m, const double* at, __m512d) {
+  return _mm512_maskz_loadu_pd(__mmask8(m), at);
+}
+PM_HD __m512 masked_load(unsigned m, const float* at, __m512) {
+  return _mm512_maskz_loadu_ps(__mmask16(m), at);
+}
+PM_HD __m256 masked_load(unsigned m, const float* at, __m256) {
+  return _mm256_maskz_loadu_ps(__mmask8(m), at);
+}
 PM_HD void masked_store(unsigned m, double* at, __m512d v) { _mm512_mask_storeu_pd(at, __mmask8(m), v); }
 PM_HD void masked_store(unsigned m, float* at, __m512 v) { _mm512_mask_storeu_ps(at, __mmask16(m), v); }
+PM_HD void masked_store(unsigned m, float* at, __m256 v) { _mm256_mask_storeu_ps(at, __mmask8(m), v); }
 
 template <class T>
 struct LaneMask {
@@ -130,8 +146,8 @@ PM_HD __m256d vector_root(__m256d x) { return _mm256_sqrt_pd(x); }
 PM_HD __m256 vector_root(__m256 x) { return _mm256_sqrt_ps(x); }
 PM_HD unsigned lane_bits(__m256d m) { return unsigned(_mm256_movemask_pd(m)); }
 PM_HD unsigned lane_bits(__m256 m) { return unsigned(_mm256_movemask_ps(m)); }
-PM_HD __m256d masked_load(__m256i m, const double* at) { return _mm256_maskload_pd(at, m); }
-PM_HD __m256 masked_load(__m256i m, const float* at) { return _mm256_maskload_ps(at, m); }
+PM_HD __m256d masked_load(__m256i m, const double* at, __m256d) { return _mm256_maskload_pd(at, m); }
+PM_HD __m256 masked_load(__m256i m, const float* at, __m256) { return _mm256_maskload_ps(at, m); }
 PM_HD void masked_store(__m256i m, double* at, __m256d v) { _mm256_maskstore_pd(at, m, v); }
 PM_HD void masked_store(__m256i m, float* at, __m256 v) { _mm256_maskstore_ps(at, m, v); }
 
@@ -182,20 +198,20 @@ PM_HD typename Lanes<T>::Raw raw(Lanes<T> x) {
   return x.v;
 }
 
-template <class T>
-struct Pack<Lanes<T>> {
-  using V = Lanes<T>;
+template <class T, int bytes>
+struct Pack<Lanes<T, bytes>> {
+  using V = Lanes<T, bytes>;
   using Number = T;
   using Mask = LaneMask<T>;
   using UInt = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
-  using Bits = typename LaneVector<UInt>::type;
-  using InMemory = typename LaneVector<T>::in_memory;  // aliases plain numbers, as GCC's vectors do
+  using Bits = typename LaneVector<UInt, bytes>::type;
+  using InMemory = typename LaneVector<T, bytes>::in_memory;  // aliases plain numbers, as GCC's vectors do
   static constexpr int width = V::width;
   PM_HD static Mask mask(bool b) { return Mask::of(b); }
   PM_HD static Mask first(int n) { return Mask::first(n); }
   PM_HD static V load(const T* at) { return V(typename V::Raw(*reinterpret_cast<const InMemory*>(at))); }
   PM_HD static V load(const T* at, int n) {
-    return n == width ? load(at) : V(typename V::Raw(masked_load(lanes(n), at)));
+    return n == width ? load(at) : V(typename V::Raw(masked_load(lanes(n), at, typename V::Raw{})));
   }
   PM_HD static void store(T* at, V v) { *reinterpret_cast<InMemory*>(at) = v.v; }
   PM_HD static void store(T* at, V v, int n) { n == width ? store(at, v) : masked_store(lanes(n), at, v.v); }
@@ -206,6 +222,13 @@ struct Pack<Lanes<T>> {
 #else
   PM_HD static __m256i lanes(int n) { return std::bit_cast<__m256i>(Mask::first(n).m); }
 #endif
+};
+
+// A pack for the points of a run. It seldom has more than eight points, which fill half of the widest pack of
+// floats.
+template <>
+struct RunPack<Lanes<float>> {
+  using type = Lanes<float, 32>;
 };
 
 #endif

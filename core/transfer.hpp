@@ -174,10 +174,11 @@ void gather_gradient(const Particles<T>& points, const GridGeometry<T>& grid, co
     patch.load(grid, run, nodes);
     patch.scale(T(0.5) * grid.per_metre);
     const Interpolant<Shape, T> velocity(patch);
-    for_each_pack<V>(run, [&](std::size_t p, int n) PM_INLINE {
+    using R = run_pack_t<V>;
+    for_each_pack<R>(run, [&](std::size_t p, int n) PM_INLINE {
       const std::size_t i = p - block.begin;
-      V d[3][3];  // half of d v_c / d x_a
-      velocity.slopes(points.template vector<V>(Field::place, p, n), d);
+      R d[3][3];  // half of d v_c / d x_a
+      velocity.slopes(points.template vector<R>(Field::place, p, n), d);
       out.store(0, i, d[0][0] + d[0][0]), out.store(1, i, d[1][1] + d[1][1]);
       out.store(2, i, d[2][2] + d[2][2]), out.store(3, i, d[0][1] + d[1][0]);
       out.store(4, i, d[1][2] + d[2][1]), out.store(5, i, d[2][0] + d[0][2]);
@@ -199,8 +200,9 @@ void gather_values(const Particles<T>& points, const Block& block, Columns<T, 3>
     Patch<Shape, T> patch;
     load(patch, run);
     const Interpolant<Shape, T> field(patch);
-    for_each_pack<V>(run, [&](std::size_t p, int n) PM_INLINE {
-      const auto v = field.value(points.template vector<V>(Field::place, p, n));
+    using R = run_pack_t<V>;
+    for_each_pack<R>(run, [&](std::size_t p, int n) PM_INLINE {
+      const auto v = field.value(points.template vector<R>(Field::place, p, n));
       for (int c = 0; c < 3; ++c) out.store(c, p - block.begin, v[c]);
     });
   });
