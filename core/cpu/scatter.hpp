@@ -1,5 +1,6 @@
-// From points to nodes with SIMD: trilinear functions touch eight nodes, a lane for each. What the points of
-// a run add stays in registers until the run ends. Other shape functions add a node's four numbers at a time.
+// From points to nodes with SIMD: trilinear functions touch eight nodes, four on each face of the cell across
+// x. A lane is a node; what the points of a run add stays in registers until the run ends. Other shape
+// functions add a node's four numbers at a time.
 #pragma once
 #include "../transfer.hpp"
 
@@ -7,84 +8,64 @@ namespace pockmark::cpu {
 
 #ifdef POCKMARK_LANES
 
-// Eight numbers, one a node of the cell (x slowest, z fastest), in as many registers as they need.
+// Numbers of nodes (x slowest, z fastest) in registers of 32 bytes: four doubles, the near or the far face,
+// or eight floats, both. Of wider ones half would compute the same, and many processors take them in two
+// passes.
 template <class T>
-struct Eight {
-  static constexpr int bytes = 8 * sizeof(T) < lane_bytes ? int(8 * sizeof(T)) : lane_bytes;
-  static constexpr int parts = int(8 * sizeof(T)) / bytes;
-  struct Vector {
-    using Whole = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
-    typedef T type __attribute__((vector_size(bytes)));
-    typedef Whole bits __attribute__((vector_size(bytes)));
-    typedef T in_memory __attribute__((vector_size(bytes), aligned(alignof(T))));
-  };
-  using Part = typename Vector::type;
-  using Bits = typename Vector::bits;
-  using InMemory = typename Vector::in_memory;
-  Part part[parts]{};
-
-  PM_HD friend Eight operator*(const Eight& a, const Eight& b) {
-    Eight out;
-    for (int i = 0; i < parts; ++i) out.part[i] = a.part[i] * b.part[i];
-    return out;
-  }
-  PM_HD friend Eight operator*(T a, const Eight& b) {
-    Eight out;
-    for (int i = 0; i < parts; ++i) out.part[i] = a * b.part[i];
-    return out;
-  }
-  PM_HD void add(const Eight& a) {
-    for (int i = 0; i < parts; ++i) part[i] += a.part[i];
-  }
-  // this += f a
-  PM_HD void add_scaled(T f, const Eight& a) {
-    for (int i = 0; i < parts; ++i) part[i] += f * a.part[i];
-  }
+struct NodeLanes {
+  static constexpr int lanes = 32 / int(sizeof(T)), parts = 8 / lanes;
+  using Whole = std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>;
+  typedef T numbers __attribute__((vector_size(32)));
+  typedef Whole bits __attribute__((vector_size(32)));
+  typedef T in_memory __attribute__((vector_size(32), aligned(alignof(T))));
 };
+template <class T>
+using Nodes = typename NodeLanes<T>::numbers;
 
-// The two linear functions of one axis at the eight nodes: 1 - f or f. An exclusive or and a sum leave the
-// units that multiply to the rest of the work.
+template <class T>
+PM_HD Nodes<T> in_lanes(const T (&eight)[8]) {
+  Nodes<T> out;
+  std::memcpy(&out, eight, sizeof(out));
+  return out;
+}
+
+// The two linear functions of an axis, 1 - f or f, at the nodes of a face across another one: of its two axes
+// this is the slow or the fast one. An exclusive or and a sum leave the units that multiply to the rest of
+// the work.
 template <class T>
 struct AxisWeights {
-  static constexpr T near[3][8]{{1, 1, 1, 1, 0, 0, 0, 0}, {1, 1, 0, 0, 1, 1, 0, 0}, {1, 0, 1, 0, 1, 0, 1, 0}};
-  static constexpr T signs[3][8]{
-      {-1, -1, -1, -1, 1, 1, 1, 1}, {-1, -1, 1, 1, -1, -1, 1, 1}, {-1, 1, -1, 1, -1, 1, -1, 1}};
-  Eight<T> start, sign;
+  Nodes<T> start, sign;
 
-  PM_HD explicit AxisWeights(int axis) {
-    std::memcpy(start.part, near[axis], sizeof(start));
-    std::memcpy(sign.part, signs[axis], sizeof(sign));
+  PM_HD static AxisWeights slow() {
+    return {in_lanes<T>({1, 1, 0, 0, 1, 1, 0, 0}), in_lanes<T>({-1, -1, 1, 1, -1, -1, 1, 1})};
   }
-  PM_HD Eight<T> operator()(T f) const {
-    using E = Eight<T>;
-    constexpr auto sign_bit = T(-0.0);
-    E out;
-    for (int i = 0; i < E::parts; ++i) {
-      const auto minus = (typename E::Bits)sign.part[i] & (typename E::Bits)(sign_bit - typename E::Part{});
-      out.part[i] = start.part[i] + (typename E::Part)((typename E::Bits)(f - typename E::Part{}) ^ minus);
-    }
-    return out;
+  PM_HD static AxisWeights fast() {
+    return {in_lanes<T>({1, 0, 1, 0, 1, 0, 1, 0}), in_lanes<T>({-1, 1, -1, 1, -1, 1, -1, 1})};
+  }
+  PM_HD Nodes<T> operator()(T f) const {
+    using Bits = typename NodeLanes<T>::bits;
+    const Nodes<T> all = f - Nodes<T>{}, sign_bit = T(-0.0) - Nodes<T>{};
+    return start + (Nodes<T>)((Bits)all ^ ((Bits)sign & (Bits)sign_bit));
   }
 };
 
 #define PM_PICK(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
 
-// Four components of eight numbers (two registers of four nodes on AVX2) as the nodes hold them: four
-// components a node.
+// Four components at the eight nodes as these hold them: four components a node.
 template <class T>
-PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run, const Eight<T> (&sum)[4],
-                        Array<Quad<T>>& nodes) {
+PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run,
+                        const Nodes<T> (&sum)[4][NodeLanes<T>::parts], Array<Quad<T>>& nodes) {
   Quad<T>* const first = nodes.data() + run.node;
   for (int i = 0; i < 2; ++i) {
     Quad<T>* at[2] = {first + grid.index(i, 0, 0), first + grid.index(i, 1, 0)};
-    if constexpr (Eight<T>::parts == 2) {
-      const auto a = sum[0].part[i], b = sum[1].part[i], c = sum[2].part[i], d = sum[3].part[i];
+    if constexpr (NodeLanes<T>::parts == 2) {
+      const auto a = sum[0][i], b = sum[1][i], c = sum[2][i], d = sum[3][i];
       const auto ab0 = PM_PICK(a, b, 0, 4, 2, 6), ab1 = PM_PICK(a, b, 1, 5, 3, 7);
       const auto cd0 = PM_PICK(c, d, 0, 4, 2, 6), cd1 = PM_PICK(c, d, 1, 5, 3, 7);
       at[0][0].v += PM_PICK(ab0, cd0, 0, 1, 4, 5), at[0][1].v += PM_PICK(ab1, cd1, 0, 1, 4, 5);
       at[1][0].v += PM_PICK(ab0, cd0, 2, 3, 6, 7), at[1][1].v += PM_PICK(ab1, cd1, 2, 3, 6, 7);
     } else {
-      const auto a = sum[0].part[0], b = sum[1].part[0], c = sum[2].part[0], d = sum[3].part[0];
+      const auto a = sum[0][0], b = sum[1][0], c = sum[2][0], d = sum[3][0];
       const auto ab0 = PM_PICK(a, b, 0, 8, 2, 10, 4, 12, 6, 14),
                  ab1 = PM_PICK(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
       const auto cd0 = PM_PICK(c, d, 0, 8, 2, 10, 4, 12, 6, 14),
@@ -93,56 +74,86 @@ PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run, const Eight
                                : PM_PICK(ab0, cd0, 4, 5, 12, 13, 6, 7, 14, 15);
       const auto odd = i == 0 ? PM_PICK(ab1, cd1, 0, 1, 8, 9, 2, 3, 10, 11)
                               : PM_PICK(ab1, cd1, 4, 5, 12, 13, 6, 7, 14, 15);
-      using Two = typename Eight<T>::InMemory;
+      using Two = typename NodeLanes<T>::in_memory;
       *reinterpret_cast<Two*>(at[0]) += PM_PICK(even, odd, 0, 1, 2, 3, 8, 9, 10, 11);
       *reinterpret_cast<Two*>(at[1]) += PM_PICK(even, odd, 4, 5, 6, 7, 12, 13, 14, 15);
     }
   }
 }
 
-#undef PM_PICK
+// Weights that have the shares `near` and `far` of a face's, at the eight nodes.
+template <class T>
+PM_HD void spread(T near, T far, const Nodes<T>& face, Nodes<T> (&out)[NodeLanes<T>::parts]) {
+  if constexpr (NodeLanes<T>::parts == 2) {
+    out[0] = near * face, out[1] = far * face;
+  } else {
+    const Nodes<T> all_near = near - Nodes<T>{}, all_far = far - Nodes<T>{};
+    out[0] = PM_PICK(all_near, all_far, 0, 1, 2, 3, 12, 13, 14, 15) * face;
+  }
+}
 
 template <class T>
 void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
                         Array<Quad<T>>& nodes) {
-  const AxisWeights<T> x(0), y(1), z(2);
+  const auto y = AxisWeights<T>::slow(), z = AxisWeights<T>::fast();
   const T* mass = points.at(Field::mass);
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
           *fz = points.at(Field::place, 2);
   const T *vx = points.at(Field::velocity, 0), *vy = points.at(Field::velocity, 1),
           *vz = points.at(Field::velocity, 2);
   points.prefetch_motion(run.begin);
-  Eight<T> sum[4];
+  constexpr int parts = NodeLanes<T>::parts;
+  Nodes<T> sum[4][parts]{}, weight[parts];
   std::size_t p = run.begin;
   do {  // a run is never empty
-    const auto weight = (mass[p] * x(fx[p])) * (y(fy[p]) * z(fz[p]));
-    sum[0].add_scaled(vx[p], weight), sum[1].add_scaled(vy[p], weight), sum[2].add_scaled(vz[p], weight);
-    sum[3].add(weight);
+    const T far = mass[p] * fx[p];
+    spread(mass[p] - far, far, y(fy[p]) * z(fz[p]), weight);
+    for (int i = 0; i < parts; ++i) {
+      sum[0][i] += vx[p] * weight[i], sum[1][i] += vy[p] * weight[i], sum[2][i] += vz[p] * weight[i];
+      sum[3][i] += weight[i];
+    }
   } while (++p < run.end);
   add_to_nodes(grid, run, sum, nodes);
 }
 
+// The slopes along x, y and z of what the faces across them carry; of a node's two faces across an axis the
+// near one has the minus sign.
+template <class T>
+PM_HD void add_slopes(const Nodes<T>& by_x, const Nodes<T>& by_y, const Nodes<T>& by_z,
+                      Nodes<T> (&out)[NodeLanes<T>::parts]) {
+  const auto slow = AxisWeights<T>::slow().sign, fast = AxisWeights<T>::fast().sign;
+  if constexpr (NodeLanes<T>::parts == 2) {
+    out[0] = slow * PM_PICK(by_y, by_y, 0, 1, 0, 1) + fast * PM_PICK(by_z, by_z, 0, 0, 1, 1) - by_x;
+    out[1] = slow * PM_PICK(by_y, by_y, 2, 3, 2, 3) + fast * PM_PICK(by_z, by_z, 2, 2, 3, 3) + by_x;
+  } else {
+    const auto slowest = in_lanes<T>({-1, -1, -1, -1, 1, 1, 1, 1});
+    out[0] = slow * PM_PICK(by_y, by_y, 0, 1, 0, 1, 2, 3, 2, 3) +
+             fast * PM_PICK(by_z, by_z, 0, 0, 1, 1, 2, 2, 3, 3) + slowest * by_x;
+  }
+}
+
+#undef PM_PICK
+
 template <class T>
 void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                               const Columns<T, 6>& push, const Run& run, Array<Quad<T>>& nodes) {
-  const AxisWeights<T> x(0), y(1), z(2);
+  const auto slow = AxisWeights<T>::slow(), fast = AxisWeights<T>::fast();
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
           *fz = points.at(Field::place, 2);
-  Eight<T> by_x[3], by_y[3], by_z[3];  // sums of the stress, but for the slope's sign along the axis
+  Nodes<T> by_x[3]{}, by_y[3]{}, by_z[3]{};  // sums of the stress, shared out over a face across each axis
   std::size_t p = run.begin;
   do {
     const auto s = [&](int c) { return push.load(c, p - block.begin); };
-    const auto wx = x(fx[p]), wy = y(fy[p]), wz = z(fz[p]);
-    const auto yz = wy * wz, zx = wz * wx, xy = wx * wy;
-    by_x[0].add_scaled(s(0), yz), by_x[1].add_scaled(s(3), yz), by_x[2].add_scaled(s(5), yz);
-    by_y[0].add_scaled(s(3), zx), by_y[1].add_scaled(s(1), zx), by_y[2].add_scaled(s(4), zx);
-    by_z[0].add_scaled(s(5), xy), by_z[1].add_scaled(s(4), xy), by_z[2].add_scaled(s(2), xy);
+    const auto x = slow(fx[p]), z = fast(fz[p]);
+    const auto yz = slow(fy[p]) * z, xz = x * z, xy = x * fast(fy[p]);
+    by_x[0] += s(0) * yz, by_x[1] += s(3) * yz, by_x[2] += s(5) * yz;
+    by_y[0] += s(3) * xz, by_y[1] += s(1) * xz, by_y[2] += s(4) * xz;
+    by_z[0] += s(5) * xy, by_z[1] += s(4) * xy, by_z[2] += s(2) * xy;
   } while (++p < run.end);
-  Eight<T> sum[4];
-  const T slope = grid.per_metre;
+  Nodes<T> sum[4][NodeLanes<T>::parts]{};
   for (int c = 0; c < 3; ++c) {
-    sum[c].add(x.sign * by_x[c]), sum[c].add(y.sign * by_y[c]), sum[c].add(z.sign * by_z[c]);
-    sum[c] = slope * sum[c];
+    add_slopes<T>(by_x[c], by_y[c], by_z[c], sum[c]);
+    for (auto& part : sum[c]) part *= grid.per_metre;
   }
   add_to_nodes(grid, run, sum, nodes);
 }
