@@ -128,7 +128,7 @@ def traffic_per_point(scene: Scene, sorts_per_step: float) -> dict[str, float]:
     if scheme == "usavg":
         move += of(*strained, "pressure", "viscosity", "damage") + of(*strained)
     remaps = scheme in ("musl", "usavg")
-    traffic = {
+    traffic: dict[str, float] = {
         "p2g": of("position", "velocity", "mass"),
         "stress": stress if first else stress + loaded + of("position"),
         "g2p": of("position") + 2 * of("velocity") + (width["mass"] if remaps else 0),
@@ -137,4 +137,7 @@ def traffic_per_point(scene: Scene, sorts_per_step: float) -> dict[str, float]:
     }
     if scheme == "usf":  # one pass does both
         traffic["g2p"] += traffic.pop("move") - of("position")
+    else:  # the pass that moves the points maps them for the next step, unless they are sorted in between
+        traffic["move"] += of("velocity", "mass")
+        traffic["p2g"] *= min(sorts_per_step, 1.0)
     return {phase: float(bytes_) for phase, bytes_ in traffic.items()}
