@@ -67,25 +67,27 @@ def load(folder: Path) -> Campaign:
 
 
 def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:
-    """The runs of a campaign, each once however many groups want it; `only` names groups or figures."""
+    """The runs of a campaign, each once with all groups that want it; `only` names groups or figures to run."""
     known = {name for g in campaign.group for name in (g.name, *g.figures)}
     if unknown := sorted(set(only) - known):
         raise PockmarkError(
             f"--only {unknown[0]}: no such group or figure, allowed are {', '.join(sorted(known))}"
         )
     found: dict[str, Case] = {}
+    wanted: set[str] = set()
     path = folder / campaign.scene
     base = read_toml(path)
     for group in campaign.group:
-        if only and not set(only) & {group.name, *group.figures}:
-            continue
+        is_wanted = not only or bool(set(only) & {group.name, *group.figures})
         sweep = group.quick if quick and group.quick else group.sweep
         for values in itertools.product(*sweep.values()):
             swept = dict(zip(sweep, values, strict=True))
             changes = campaign.set | group.set | (campaign.quick if quick else {}) | swept
             scene = Scene.from_dict(base, source=str(path), overrides=_texts(changes))
             found.setdefault(scene.hash, Case(scene, swept, [])).groups.append(group.name)
-    return list(found.values())
+            if is_wanted:
+                wanted.add(scene.hash)
+    return [case for key, case in found.items() if key in wanted]
 
 
 def _texts(changes: Mapping[str, Any]) -> list[str]:
