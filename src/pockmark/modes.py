@@ -3,7 +3,7 @@
 | mode, normal | oblique | |
 |---|---|---|
 | I | I | the craters are apart and alike |
-| II | II | apart, but inside ones differ from outside ones in size or shape |
+| II | II | most neighbours touch, or inside craters differ from outside ones in size or shape |
 | | III | inside ones are no ellipses any more |
 | | IV | nor are outside ones |
 | III | V | most neighbours along the scraping direction are linked (normal impact: along either) |
@@ -16,10 +16,11 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from .morphology import Group, Pit
+from .morphology import Group, Pit, Ridge
 
 # The same for every run; docs/metrology.md says where each comes from.
 THRESHOLDS = {
+    "touching": 0.5,
     "linked_along": 0.5,
     "linked_across": 0.5,
     "levelled": 0.5,
@@ -27,16 +28,18 @@ THRESHOLDS = {
     "irregular_inside": 0.05,
     "irregular_outside": 0.05,
 }
-LEVEL = 0.1  # a ridge lower than this share of the depth is gone
+LEVEL = 0.1  # a ridge, or a rim, lower than this share of the depth is gone
+NECK = 0.25  # paraboloids are linked by a neck half as wide as they are where their ridge is this share of the depth below
 ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII")
 
 
 @dataclass(frozen=True)
 class Measures:
-    """What decides the mode. Shares of the pairs of neighbours along the scraping direction and across that are linked,
-    and of all ridges that are levelled; how far inside craters differ from outside ones in an axis or in the axes' ratio;
+    """What decides the mode. Shares of the pairs of neighbours that touch, of those along the scraping direction and across
+    that are linked, and of all ridges that are levelled; how far inside craters differ from outside ones in an axis or in the axes' ratio;
     median distance from an ellipse over the mean radius of inside and of outside craters."""
 
+    touching: float
     linked_along: float
     linked_across: float
     levelled: float
@@ -66,9 +69,10 @@ def measures_of(group: Group) -> Measures:
         [ridge for ridge in group.ridges if ridge.along == direction] for direction in ("x", "y")
     )
     return Measures(
-        _share([ridge.height < -group.spacing / 2 for ridge in along]),
-        _share([ridge.height < -group.spacing / 2 for ridge in across]),
-        _share([ridge.prominence(group.pits) < LEVEL for ridge in group.ridges]),
+        _share([_touch(group, ridge) for ridge in group.ridges]),
+        _share([_is_linked(group, ridge) for ridge in along]),
+        _share([_is_linked(group, ridge) for ridge in across]),
+        _share([_is_levelled(group, ridge) for ridge in group.ridges]),
         _difference(inside, outside),
         _irregularity(inside),
         _irregularity(outside),
@@ -92,12 +96,36 @@ def _number(is_over: Mapping[str, bool], oblique: bool) -> int:
     if is_over["levelled"]:
         return 7 if oblique else 4
     if not oblique:
-        return 3 if is_over["linked_along"] or is_over["linked_across"] else 1 + int(is_over["unlike"])
+        return 3 if is_over["linked_along"] or is_over["linked_across"] else _second(is_over)
     if is_over["linked_along"]:
         return 6 if is_over["linked_across"] else 5
     if is_over["irregular_inside"]:
         return 4 if is_over["irregular_outside"] else 3
-    return 1 + int(is_over["unlike"])
+    return _second(is_over)
+
+
+def _second(is_over: Mapping[str, bool]) -> int:
+    return 2 if is_over["touching"] or is_over["unlike"] else 1
+
+
+def _touch(group: Group, ridge: Ridge) -> bool:
+    """The two share a pithead, or their rims have become one."""
+    _, deeper = _depths(group, ridge)
+    return ridge.height < -group.spacing / 2 or ridge.saddle < LEVEL * deeper < ridge.rim
+
+
+def _is_linked(group: Group, ridge: Ridge) -> bool:
+    shallower, _ = _depths(group, ridge)
+    return ridge.height < -NECK * shallower
+
+
+def _is_levelled(group: Group, ridge: Ridge) -> bool:
+    shallower, deeper = _depths(group, ridge)
+    return ridge.height + shallower < LEVEL * deeper
+
+
+def _depths(group: Group, ridge: Ridge) -> list[float]:
+    return sorted(group.pits[i].depth for i in ridge.pair)
 
 
 def _by_place(group: Group) -> tuple[list[Pit], list[Pit]]:

@@ -5,12 +5,12 @@ The definitions, and the thresholds of the modes, are in docs/metrology.md.
 
 import itertools
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from scipy.interpolate import interpn
 from skimage.segmentation import watershed
 
 from .contours import polygon_moments
@@ -37,16 +37,14 @@ class Pit:
 
 @dataclass(frozen=True)
 class Ridge:
-    """Between two neighbouring craters (their numbers): height (m) of its lowest pass above z = 0, negative below."""
+    """Between two neighbouring craters (their numbers): height (m) of its lowest pass above z = 0, negative below; and on
+    the line from bottom to bottom height (m) of the lower of the two rims, and how far (m) the ground between lies below it."""
 
     pair: tuple[int, int]
     along: str  # "x", the scraping direction, or "y"
     height: float
-
-    def prominence(self, pits: Sequence[Pit]) -> float:
-        """How far it stands above the shallower of its two bottoms, as a share of the deeper one's depth."""
-        depths = [pits[i].depth for i in self.pair]
-        return (self.height + min(depths)) / max(depths)
+    rim: float
+    saddle: float
 
 
 @dataclass(frozen=True)
@@ -87,7 +85,7 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
         for (i, j), depth, bowl in zip(places.values(), depths, bowls, strict=True)
     ]
     ridges = [
-        Ridge((a, b), along, height)
+        Ridge((a, b), along, height, *_rims(surface, floor, pits[a].place, pits[b].place))
         for (a, na), (b, nb) in itertools.combinations(enumerate(places), 2)
         if (along := _direction(centers[nb] - centers[na], pitch))
         and (height := _pass(floor, basins, a + 1, b + 1)) is not None
@@ -131,3 +129,15 @@ def _pass(floor: Array, basins: NDArray[np.int32], a: int, b: int) -> float | No
         if border.any():
             lowest = min(lowest, float(high[border].min()))
     return lowest if math.isfinite(lowest) else None
+
+
+def _rims(
+    surface: Surface, floor: Array, a: tuple[float, float], b: tuple[float, float]
+) -> tuple[float, float]:
+    """Height of the lower rim on the line between two places, and how far the ground between the rims lies below it."""
+    place = np.linspace(a, b, len(surface.x))
+    height = interpn((surface.x, surface.y), floor, place)
+    half = len(height) // 2
+    first, second = int(np.argmax(height[:half])), half + int(np.argmax(height[half:]))
+    rim = min(height[first], height[second])
+    return float(rim), float(rim - height[first : second + 1].min())

@@ -54,6 +54,7 @@ def table_4(rows: Sequence[Row], out: Path) -> None:
         "distance_to_it",
         "depth_mean",
         "depth_spread",
+        "touching",
         "linked_along",
         "linked_across",
         "levelled",

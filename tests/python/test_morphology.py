@@ -80,6 +80,33 @@ def test_bowls_that_just_touch_are_apart():
     assert all(-0.5 < ridge.height / UM <= 0 for ridge in group.ridges)
 
 
+def rimmed(radius):
+    """Bowls with a rim 2 um high just outside."""
+
+    def floor(x, y):
+        distances = [np.hypot(x - cx, y - cy) for cx, cy in GRID]
+        land = sum(2 * np.exp(-(((r - radius - 1) / 1.5) ** 2)) for r in distances)
+        return np.minimum(land, 8 * ((np.min(distances, axis=0) / radius) ** 2 - 1))
+
+    return carved(floor)
+
+
+def test_bowls_with_one_rim_between_them_touch():
+    group, _ = check(rimmed(9.0), 1, oblique=False)
+    assert all(ridge.saddle / UM == pytest.approx(2 - 4 * np.exp(-25 / 9), abs=0.3) for ridge in group.ridges)
+    group, _ = check(rimmed(11.5), 2, oblique=False)
+    assert all(ridge.saddle / UM < 0.3 for ridge in group.ridges)
+    crest = 8 * ((12.5 / 11.5) ** 2 - 1)  # where the two bowls would meet
+    assert all(ridge.rim / UM == pytest.approx(crest, abs=0.3) for ridge in group.ridges)
+
+
+def test_bowls_with_a_narrow_neck_touch():
+    narrow, wide = (25 / np.sqrt(1 - neck**2) / 2 for neck in (0.4, 0.6))
+    group, _ = check(bowls(narrow), 2, oblique=False)
+    assert group.pits[0].contour is group.pits[1].contour
+    check(bowls(wide), 3, oblique=False)
+
+
 def test_bowls_linked_in_one_direction_share_a_pithead():
     group, _ = check(bowls(15.0, 9.0), 5, oblique=True)
     deep = 8.0 * ((12.5 / 15) ** 2 - 1)
