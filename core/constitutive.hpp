@@ -96,9 +96,9 @@ struct StressUpdate {
     tally.volumetric_rate = select(active, max(tally.volumetric_rate, absolute(rate)), tally.volumetric_rate);
     point.deviator = select(point.damage < V(1), strained(point.deviator, L, material.shear_modulus(), dt),
                             Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
-    const V trial = effective(point.deviator);
-    return active && material.strength.visit([&](const auto& s)
-                                                 PM_INLINE { return s.may_yield(trial, point.temperature); });
+    const V trial2 = effective_squared(point.deviator);
+    return active && material.strength.visit(
+                         [&](const auto& s) PM_INLINE { return s.may_yield(trial2, point.temperature); });
   }
 
   // Returns the increment of the effective plastic strain.

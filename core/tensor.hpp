@@ -79,10 +79,14 @@ template <class T>
 PM_HD T double_dot(const Sym3<T>& a, const Sym3<T>& b) {
   return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + T(2) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
 }
-// von Mises effective stress of a deviator, sqrt(3/2 s:s).
+// von Mises effective stress of a deviator, sqrt(3/2 s:s), and its square.
+template <class T>
+PM_HD T effective_squared(const Sym3<T>& s) {
+  return T(1.5) * double_dot(s, s);
+}
 template <class T>
 PM_HD T effective(const Sym3<T>& s) {
-  return root(T(1.5) * double_dot(s, s));
+  return root(effective_squared(s));
 }
 
 // A velocity gradient split into the rate of strain D and the axial vector w of the spin (W x = w cross x).

@@ -53,10 +53,12 @@ struct JohnsonCook {
     return (A + B * fast_pow(strain, n)) * (T(1) + C * fast_log(max(star, T(1)))) * softening(temperature);
   }
 
-  // Whether a trial stress is above the least flow stress at that temperature: without it nothing yields.
+  // Whether a trial stress, of which the square is given, is above the least flow stress at that temperature:
+  // without it nothing yields.
   template <class V>
-  PM_HD mask_t<V> may_yield(V trial, V temperature) const {
-    return A * softening(temperature) < trial;
+  PM_HD mask_t<V> may_yield(V trial_squared, V temperature) const {
+    const V least = A * softening(temperature);
+    return least * least < trial_squared;
   }
   // Radial return: find d with r(d) = trial - 3 G d - sigma_y(strain + d, d/dt, T) = 0, by Newton's method in
   // x = ln d. There r is concave and falls, the kink at the reference rate included, so the iteration comes
