@@ -20,16 +20,16 @@ def lining(
     spacing: float,
     mirrors: Sequence[Mirror],
 ) -> tuple[float, float]:
-    """Mass (kg, of what is computed) of the projectile below z = 0 within the pithead, and thickness (m) at the bottom:
-    the volume of its points within three spacings of the bottom, seen from above, over that circle's area."""
+    """Mass (kg, of the whole impact) of the projectile below z = 0 within the pithead, and thickness (m) at the bottom: the
+    volume of its points within three spacings of the bottom, seen from above, over that circle's area."""
     left = np.isin(snapshot["body"], projectile_bodies) & (snapshot["position"][:, 2] < 0)
-    position, volume = snapshot["position"][left], snapshot["volume"][left]
+    position, amounts = snapshot["position"][left], np.stack([snapshot["mass"], snapshot["volume"]], 1)[left]
+    for mirror in mirrors:
+        position, amounts = with_images(position, amounts, mirror)
+    mass, volume = amounts.T
     within = np.zeros(len(position), dtype=bool)
     if crater.contour is not None:
         within = Path(crater.contour).contains_points(position[:, :2])
-    mass = float(snapshot["mass"][left][within].sum())
-    for mirror in mirrors:
-        position, volume = with_images(position, volume, mirror)
     radius = FIT_RADIUS * spacing
     near = np.hypot(position[:, 0] - crater.bottom[0], position[:, 1] - crater.bottom[1]) < radius
-    return mass, float(volume[near].sum() / (np.pi * radius**2))
+    return float(mass[within].sum()), float(volume[near].sum() / (np.pi * radius**2))

@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
 from .morphology import Group, Pit, Ridge
 
@@ -117,6 +118,16 @@ def _touch(group: Group, ridge: Ridge) -> bool:
 def _is_linked(group: Group, ridge: Ridge) -> bool:
     shallower, _ = _depths(group, ridge)
     return ridge.height < -NECK * shallower
+
+
+def bottoms_of(group: Group) -> int:
+    """How many separate bottoms there are: craters with a levelled ridge between them have one."""
+    if not (n := len(group.pits)):
+        return 0
+    joined = np.zeros((n, n), dtype=bool)
+    for ridge in group.ridges:
+        joined[ridge.pair] = _is_levelled(group, ridge)
+    return int(connected_components(joined, directed=False, return_labels=False))
 
 
 def _is_levelled(group: Group, ridge: Ridge) -> bool:

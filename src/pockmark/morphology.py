@@ -24,12 +24,14 @@ SMOOTH = 1.4  # nodes: the deviation of the Gaussian that the floor is smoothed 
 
 @dataclass(frozen=True)
 class Pit:
-    """One crater of a group: place of its lowest point (x, y; m), depth below z = 0 (m), contour (n, 2; m) of its pithead
-    h/2 below z = 0, the pithead's ellipse at z = 0, and the root mean square distance (m) of the contour from its own. Joined craters share a pithead;
-    none where it is open at the edge."""
+    """One crater of a group: place of its lowest point (x, y; m), depth below z = 0 (m), roughness of its bottom (m), the
+    number of its hollow, which joined craters share, contour (n, 2; m) of the hollow's pithead h/2 below z = 0, the pithead's ellipse at
+    z = 0, and the root mean square distance (m) of the contour from its own; no pithead where it is open at the edge."""
 
     place: tuple[float, float]
     depth: float
+    roughness: float
+    hollow: int
     contour: Array | None
     ellipse: Ellipse | None
     residual: float | None
@@ -81,8 +83,14 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
         if bowl.number not in pitheads:
             pitheads[bowl.number] = bowl.pithead(depth)
     pits = [
-        _pit((float(surface.x[i]), float(surface.y[j])), depth, pitheads[bowl.number])
-        for (i, j), depth, bowl in zip(places.values(), depths, bowls, strict=True)
+        Pit(
+            (float(surface.x[i]), float(surface.y[j])),
+            depth,
+            _roughness((floor - smooth)[(basins == label) & (smooth < -depth / 2)]),
+            bowl.number,
+            *_outline(pitheads[bowl.number]),
+        )
+        for label, ((i, j), depth, bowl) in enumerate(zip(places.values(), depths, bowls, strict=True), 1)
     ]
     ridges = [
         Ridge((a, b), along, height, *_rims(surface, floor, pits[a].place, pits[b].place))
@@ -103,12 +111,17 @@ def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -
     return int(i), int(j)
 
 
-def _pit(place: tuple[float, float], depth: float, pithead: Pithead | None) -> Pit:
+def _roughness(deviation: Array) -> float:
+    """Root mean square of what smoothing takes from a bottom."""
+    return float(np.sqrt(np.mean(deviation**2)))
+
+
+def _outline(pithead: Pithead | None) -> tuple[Array | None, Ellipse | None, float | None]:
     if pithead is None:
-        return Pit(place, depth, None, None, None)
+        return None, None, None
     own = polygon_moments(pithead.contour)
     residual = ellipse_of(own.centre, own.covariance).residual(pithead.contour)
-    return Pit(place, depth, pithead.contour, pithead.ellipse, residual)
+    return pithead.contour, pithead.ellipse, residual
 
 
 def _direction(apart: Array, pitch: float) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 from rich.table import Table
 
 from .counters import COUNTERS
+from .modes import ROMAN
 
 Results = Mapping[str, Any]
 
@@ -13,7 +14,7 @@ Results = Mapping[str, Any]
 def report(result: Results) -> Table:
     """The table that `pockmark run` and `measure` print."""
     table = Table(show_header=False, title="Crater")
-    for part in (_crater, _ejecta, _energy, _run, _counted):
+    for part in (_crater, _group, _ejecta, _energy, _run, _counted):
         for name, value in part(result):
             table.add_row(name, value)
         table.add_section()
@@ -48,6 +49,24 @@ def _crater(result: Results) -> Iterator[tuple[str, str]]:
     yield "volume", _shown(crater["volume"], "{:.0f} um^3", unit=1e-18)
     yield "C_p/d_p", _shown(crater["depth_over_projectile_diameter"], "{:.3f}")
     yield "C_p/D_c", _shown(crater["depth_over_diameter"], "{:.3f}")
+
+
+def _group(result: Results) -> Iterator[tuple[str, str]]:
+    if not (group := result.get("group")):
+        return
+    yield (
+        "craters, pitheads, bottoms",
+        ", ".join(str(group[key]) for key in ("craters", "pitheads", "bottoms")),
+    )
+    if "mode" not in group:
+        return
+    mode, nearest = (ROMAN[group[key] - 1] for key in ("mode", "nearest_mode"))
+    yield (
+        "mode of the group",
+        f"{mode} (next: {nearest}, if a measure changed by {group['distance_to_it']:.0%})",
+    )
+    spread = f"{group['depth_spread']:.0%} between the deepest and the shallowest"
+    yield "their mean depth", _shown(group["depth_mean"], f"{{:.2f}} um, {spread}", unit=1e-6)
 
 
 def _ejecta(result: Results) -> Iterator[tuple[str, str]]:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from .crater import Crater, measure_crater
 from .ejecta import copies, enhancement, find_ejecta, whole_momentum
 from .lining import lining
-from .modes import measures_of, mode_of
-from .morphology import Group
+from .modes import bottoms_of, measures_of, mode_of
+from .morphology import Group, Pit
 from .scene import Mirror
 from .surface import Field, Surface, target_field
 from .uncertainty import LEVELS, uncertainties
@@ -75,7 +75,7 @@ def morphology_table(
     shape |= {
         "bottom_x": crater.bottom[0],
         "rim_height": crater.rim_height,
-        "lining_fraction": _ratio(mass, projectile_mass),
+        "lining_fraction": _ratio(mass, copies(mirrors) * projectile_mass),
         "lining_thickness": thickness,
         "uncertainty": uncertainties(crater, (low, high), spacing),
     }
@@ -94,8 +94,15 @@ def morphology_table(
 
 
 def group_table(group: Group, *, oblique: bool) -> dict[str, Any]:
-    """The craters of a swarm: how many, their depths (m), the mode and what decides it; None below two craters."""
-    table: dict[str, Any] = {"craters": len(group.pits), "ridges": len(group.ridges)}
+    """The craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on."""
+    table: dict[str, Any] = {
+        "craters": len(group.pits),
+        "pitheads": len({pit.hollow for pit in group.pits}),
+        "bottoms": bottoms_of(group),
+        "ridges": len(group.ridges),
+        "each_crater": [_pit_table(pit) for pit in group.pits],
+        "each_ridge": [asdict(ridge) for ridge in group.ridges],
+    }
     if len(group.pits) < 2:
         return table
     depths, measures = [pit.depth for pit in group.pits], measures_of(group)
@@ -108,6 +115,21 @@ def group_table(group: Group, *, oblique: bool) -> dict[str, Any]:
         "depth_mean": mean,
         "depth_spread": (max(depths) - min(depths)) / mean,
         **asdict(measures),
+    }
+
+
+def _pit_table(pit: Pit) -> dict[str, Any]:
+    ellipse = pit.ellipse
+    return {
+        "x": pit.place[0],
+        "y": pit.place[1],
+        "depth": pit.depth,
+        "roughness": pit.roughness,
+        "hollow": pit.hollow,
+        "major_axis": ellipse.major if ellipse else None,
+        "minor_axis": ellipse.minor if ellipse else None,
+        "orientation": ellipse.orientation if ellipse else None,
+        "residual": pit.residual,
     }
 
 

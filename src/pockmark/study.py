@@ -173,11 +173,11 @@ def _progress(console: Console) -> Progress:
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """("crater.depth", 1.5e-5), ..."""
+    """("crater.depth", 1.5e-5), ...; tables within the table, such as a group's craters one by one, are left out."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}.")
-        else:
+        elif not (isinstance(value, list) and value and isinstance(value[0], Mapping)):
             yield f"{prefix}{key}", value
 
 

@@ -58,14 +58,17 @@ def test_beta():
     assert enhancement(1.0, 0.0) is None
 
 
-def test_the_lining_is_what_lies_in_the_bowl():
-    """A layer 4 um thick on the flat bottom of a box-shaped pit; a layer of it outside does not count."""
+@pytest.mark.parametrize(("y", "images"), [((0, 16), 2), ((24, 56), 1)])
+def test_the_lining_is_what_lies_in_the_bowl(y, images):
+    """A layer 4 um thick on the flat bottom of a box-shaped pit on the symmetry plane, or of one with a mirror image; a
+    layer of it outside does not count."""
 
     def solid(p):
-        return ~((np.abs(p[:, 0]) < 16e-6) & (p[:, 1] < 16e-6) & (p[:, 2] > -12e-6))
+        across = (p[:, 1] > y[0] * 1e-6) & (p[:, 1] < y[1] * 1e-6)
+        return ~((np.abs(p[:, 0]) < 16e-6) & across & (p[:, 2] > -12e-6))
 
-    target = lattice((-60, 60), (0, 60), (-40, 0), solid)
-    layer, outside = lattice((-16, 16), (0, 16), (-12, -8)), lattice((-30, -20), (0, 10), (0, 2))
+    target = lattice((-60, 60), (0, 80), (-40, 0), solid)
+    layer, outside = lattice((-16, 16), y, (-12, -8)), lattice((-30, -20), (0, 10), (0, 2))
     fields = snapshot((target, (0, 0, 0), 0), (layer, (0, 0, 0), 1), (outside, (0, 0, 0), 1))
     is_target = fields["body"] == 0
     crater = measure_target(fields["position"][is_target], fields["volume"][is_target], H, mirrors=HALF)
@@ -74,5 +77,5 @@ def test_the_lining_is_what_lies_in_the_bowl():
         f"C_p {crater.depth * 1e6:.2f} of 12 um, lining {thickness * 1e6:.2f} of 4 um, mass {mass / len(layer) / 1e-12:.3f}"
     )
     assert crater.depth == pytest.approx(12e-6, abs=H / 2)
-    assert mass == pytest.approx(len(layer) * 1e-12, rel=0.01)
+    assert mass == pytest.approx(images * len(layer) * 1e-12, rel=0.01)
     assert thickness == pytest.approx(4e-6, rel=0.15)

@@ -7,6 +7,7 @@ import pytest
 
 from pockmark.modes import THRESHOLDS, measures_of, mode_of
 from pockmark.morphology import measure_group
+from pockmark.results import group_table
 from pockmark.surface import Surface
 
 UM = 1e-6
@@ -50,6 +51,13 @@ def check(surface, number, *, oblique):
     return group, mode
 
 
+def counted(group):
+    table = group_table(group, oblique=True)
+    assert len(table["each_crater"]) == table["craters"]
+    assert len(table["each_ridge"]) == table["ridges"]
+    return table["craters"], table["pitheads"], table["bottoms"]
+
+
 def test_separate_bowls_are_measured_one_by_one():
     group, mode = check(bowls(9.0), 1, oblique=False)
     assert len(group.pits) == 16
@@ -60,6 +68,8 @@ def test_separate_bowls_are_measured_one_by_one():
         assert pit.ellipse.major / UM == pytest.approx(18.0, abs=H / 2)
         assert pit.ellipse.minor / UM == pytest.approx(18.0, abs=H / 2)
         assert pit.residual < 0.1 * UM
+        assert pit.roughness < 0.1 * UM
+    assert counted(group) == (16, 16, 16)
     assert all(abs(ridge.height) < 0.3 * UM for ridge in group.ridges)
     assert mode.nearest == 2
     assert mode_of(measures_of(group), oblique=True).number == 1
@@ -115,6 +125,7 @@ def test_bowls_linked_in_one_direction_share_a_pithead():
         assert ridge.height / UM == pytest.approx(expected, abs=H / 2)
     lengths = [np.ptp(pit.contour[:, 0]) / UM for pit in group.pits]
     assert np.array(lengths) == pytest.approx(75 + 30, abs=2 * H)
+    assert counted(group) == (16, 4, 16)
     check(bowls(15.0, 9.0), 3, oblique=False)
 
 
@@ -129,14 +140,25 @@ def test_a_common_bottom(oblique, number):
         inside = np.maximum(abs(x), abs(y)) < 50
         return np.where(inside, -12 - 0.3 * np.cos(2 * np.pi * (x - 12.5) / PITCH), 0.0)
 
-    check(carved(plate), number, oblique=oblique)
+    group, _ = check(carved(plate), number, oblique=oblique)
+    assert counted(group) == (16, 1, 1)
 
 
 def test_a_missing_crater_and_a_flat_target_are_left_out():
     group = grouped(bowls(9.0, centers=GRID[1:]))
     assert len(group.pits) == 15
     assert len(group.ridges) == 22
-    assert grouped(carved(lambda x, y: np.zeros(x.shape))).pits == []
+    assert counted(grouped(carved(lambda x, y: np.zeros(x.shape)))) == (0, 0, 0)
+
+
+def test_the_roughness_of_a_bottom_is_that_of_its_grooves():
+    # Of waves as wide as two nodes, with their crests and troughs on nodes.
+    def floor(x, y):
+        bowl = 10 * ((np.hypot(x, y) / 22) ** 2 - 1)
+        return np.where(bowl < 0, bowl + 0.5 * np.cos(2 * np.pi * x / H), 0)
+
+    group = grouped(carved(floor), [(0.0, 0.0)])
+    assert group.pits[0].roughness / UM == pytest.approx(0.5, abs=0.05)
 
 
 def test_two_balls_in_one_crater_make_one_pit():
