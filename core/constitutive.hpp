@@ -51,27 +51,27 @@ PM_HD V stress_power(const PointState<V>& point, const Sym3<V>& rate) {
          point.ratio();
 }
 
-// Takes V/V0 - 1 through a volumetric strain: V1 = V (1 + a/2)/(1 - a/2), then (V + V1)/2 a = V1 - V exactly.
-template <class V>
-PM_HD V dilated(V dilation, V strain) {
-  return dilation + (V(1) + dilation) * strain / (V(1) - V(0.5) * strain);
-}
-
-// The deviator after an elastic strain and its spin.
+// Takes a point's volume and deviator through an elastic strain a and its spin. V1 = V (1 + a/2)/(1 - a/2),
+// then (V + V1)/2 a = V1 - V exactly. Failed points have no deviator.
 template <class V, class T>
-PM_HD Sym3<V> strained(const Sym3<V>& s, const VelocityGradient<V>& L, T shear_modulus, T dt) {
-  return rotate(s, V(dt) * L.spin) + V(T(2) * shear_modulus * dt) * deviator(L.strain_rate);
+PM_HD void strain_elastically(PointState<V>& point, const VelocityGradient<V>& L, T shear_modulus, T dt) {
+  const V strain = dt * trace(L.strain_rate);
+  const auto half = V(T(0.5) * dt) * L.spin;
+  const V turned = V(1) + dot(half, half), shrunk = V(1) - V(0.5) * strain;
+  const V share = V(1) / (turned * shrunk);  // one division for two
+  point.dilation += point.ratio() * strain * (share * turned);
+  const auto s = rotate(point.deviator, half, V(2) * (share * shrunk)) +
+                 V(T(2) * shear_modulus * dt) * deviator(L.strain_rate);
+  point.deviator = select(point.damage < V(1), s, Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
 }
 
 // Moves the point through a strain of duration dt under its old stress: pays the whole work of that stress,
 // takes the volume along, and leaves an elastic trial deviator for the StressUpdate that follows.
 template <class V, class T>
-PM_HD void strain_elastically(const Material<T>& material, PointState<V>& point, const VelocityGradient<V>& L,
-                              T dt) {
+PM_HD void follow_strain(const Material<T>& material, PointState<V>& point, const VelocityGradient<V>& L,
+                         T dt) {
   point.energy += dt * stress_power(point, L.strain_rate);
-  point.dilation = dilated(point.dilation, dt * trace(L.strain_rate));
-  const auto intact = point.damage < V(1);
-  point.deviator = select(intact, strained(point.deviator, L, material.shear_modulus(), dt), point.deviator);
+  strain_elastically(point, L, material.shear_modulus(), dt);
 }
 
 // The update of a pack of points of one material, in four stages: strain, return to the yield surface,
@@ -91,11 +91,9 @@ struct StressUpdate {
   // Half of the work, volume, elastic trial deviator. Returns which points may be beyond the yield surface.
   PM_HD Mask strain(PointState<V>& point, const VelocityGradient<V>& L, Mask active, Tally<V>& tally) const {
     if (old_share > T(0)) point.energy += old_share * dt * stress_power(point, L.strain_rate);
-    const V rate = trace(L.strain_rate);
-    point.dilation = dilated(point.dilation, dt * rate);
-    tally.volumetric_rate = select(active, max(tally.volumetric_rate, absolute(rate)), tally.volumetric_rate);
-    point.deviator = select(point.damage < V(1), strained(point.deviator, L, material.shear_modulus(), dt),
-                            Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
+    const V rate = absolute(trace(L.strain_rate));
+    tally.volumetric_rate = select(active, max(tally.volumetric_rate, rate), tally.volumetric_rate);
+    strain_elastically(point, L, material.shear_modulus(), dt);
     const V trial2 = effective_squared(point.deviator);
     return active && material.strength.visit(
                          [&](const auto& s) PM_INLINE { return s.may_yield(trial2, point.temperature); });

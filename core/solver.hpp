@@ -161,7 +161,7 @@ class Solver {
     return l;
   }
 
-  // The deviator of a point with its trial part (see strain_elastically) returned to the yield surface.
+  // The deviator of a point with its trial part (see follow_strain) returned to the yield surface.
   Sym3<T> settled_deviator(std::size_t p) const {
     const auto point = points_.state(p);
     const T trial = effective(point.deviator);

@@ -103,22 +103,22 @@ PM_HD Sym3<T> select(M m, const Sym3<T>& a, const Sym3<T>& b) {
 }
 
 // R s R^T, R the Cayley (Hughes-Winget) rotation of the spin increment: exactly orthogonal, so a rigid
-// rotation never changes the norm of the stress.
+// rotation never changes the norm of the stress. `half` is half of the angle, `f` 2/(1 + half^2).
 template <class T>
-PM_HD Sym3<T> rotate(const Sym3<T>& s, const Vec3<T>& angle) {
-  const T half = T(0.5), a = half * angle.x, b = half * angle.y, c = half * angle.z;
-  const T f = T(2) / (T(1) + a * a + b * b + c * c);
+PM_HD Sym3<T> rotate(const Sym3<T>& s, const Vec3<T>& half, T f) {
+  const T a = half.x, b = half.y, c = half.z;
   const T r[3][3] = {{T(1) - f * (b * b + c * c), f * (a * b - c), f * (a * c + b)},
                      {f * (a * b + c), T(1) - f * (a * a + c * c), f * (b * c - a)},
                      {f * (a * c - b), f * (b * c + a), T(1) - f * (a * a + b * b)}};
   const T m[3][3] = {{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}};
-  T rm[3][3];
-  for (int i = 0; i < 3; ++i)
+  T rm[2][3];
+  for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 3; ++j) rm[i][j] = r[i][0] * m[0][j] + r[i][1] * m[1][j] + r[i][2] * m[2][j];
   const auto entry = [&](int i, int j) {
     return rm[i][0] * r[j][0] + rm[i][1] * r[j][1] + rm[i][2] * r[j][2];
   };
-  return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)};
+  const T xx = entry(0, 0), yy = entry(1, 1);  // zz follows from the trace, which stays
+  return {xx, yy, trace(s) - xx - yy, entry(0, 1), entry(1, 2), entry(0, 2)};
 }
 
 }  // namespace pockmark

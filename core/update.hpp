@@ -137,7 +137,7 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
   return sum_of(taken);
 }
 
-// Moves the stress of the points through a strain of duration dt (see strain_elastically).
+// Moves the stress of the points through a strain of duration dt (see follow_strain).
 template <class V, class T = number_t<V>>
 void strain_points(Particles<T>& points, const std::vector<Material<T>>& materials, const Block& block,
                    const Columns<T, 9>& gradient, T dt) {
@@ -146,7 +146,7 @@ void strain_points(Particles<T>& points, const std::vector<Material<T>>& materia
       points.prefetch(p);
       auto point = points.template state<V>(p, n);
       const auto L = velocity_gradient<V>(gradient, p - block.begin);
-      strain_elastically(material, point, L, dt);
+      follow_strain(material, point, L, dt);
       points.store_strained(p, point, n);
     });
   });
