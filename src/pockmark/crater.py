@@ -154,8 +154,15 @@ class Openings:
     @classmethod
     def of(cls, surface: Surface) -> "Openings":
         """Of a surface; slices are its nodes below z = 0."""
-        below = surface.fraction[:, :, surface.z < -0.25 * surface.spacing]
-        return cls(surface, below, ndimage.label(below <= 0.5)[0])
+        return cls._labelled(surface, surface.fraction[:, :, surface.z < -0.25 * surface.spacing])
+
+    def within(self, columns: NDArray[np.bool_]) -> "Openings":
+        """What of it is open in some columns (nx, ny); the others count as solid."""
+        return self._labelled(self.surface, np.where(columns[:, :, None], self.fraction, 1.0))
+
+    @classmethod
+    def _labelled(cls, surface: Surface, fraction: Array) -> "Openings":
+        return cls(surface, fraction, ndimage.label(fraction <= 0.5)[0])
 
     def bowl(self, i: int, j: int) -> "Bowl":
         """The hollow that is open in column (i, j)."""

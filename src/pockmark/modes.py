@@ -3,7 +3,7 @@
 | mode, normal | oblique | |
 |---|---|---|
 | I | I | the craters are apart and alike |
-| II | II | most neighbours touch, or inside craters differ from outside ones in size or shape |
+| II | II | most neighbours along either direction touch, or inside craters differ from outside ones in size or shape |
 | | III | inside ones are no ellipses any more |
 | | IV | nor are outside ones |
 | III | V | most neighbours along the scraping direction are linked (normal impact: along either) |
@@ -21,7 +21,8 @@ from .morphology import Group, Pit, Ridge
 
 # The same for every run; docs/metrology.md says where each comes from.
 THRESHOLDS = {
-    "touching": 0.5,
+    "touching_along": 0.5,
+    "touching_across": 0.5,
     "linked_along": 0.5,
     "linked_across": 0.5,
     "levelled": 0.5,
@@ -36,11 +37,12 @@ ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII")
 
 @dataclass(frozen=True)
 class Measures:
-    """What decides the mode. Shares of the pairs of neighbours that touch, of those along the scraping direction and across
-    that are linked, and of all ridges that are levelled; how far inside craters differ from outside ones in an axis or in the axes' ratio;
+    """What decides the mode. Shares of the pairs of neighbours along the scraping direction and across that touch, and that
+    are linked, and of all ridges that are levelled; how far inside craters differ from outside ones in an axis or in the axes' ratio;
     median distance from an ellipse over the mean radius of inside and of outside craters."""
 
-    touching: float
+    touching_along: float
+    touching_across: float
     linked_along: float
     linked_across: float
     levelled: float
@@ -70,7 +72,8 @@ def measures_of(group: Group) -> Measures:
         [ridge for ridge in group.ridges if ridge.along == direction] for direction in ("x", "y")
     )
     return Measures(
-        _share([_touch(group, ridge) for ridge in group.ridges]),
+        _share([_touch(group, ridge) for ridge in along]),
+        _share([_touch(group, ridge) for ridge in across]),
         _share([_is_linked(group, ridge) for ridge in along]),
         _share([_is_linked(group, ridge) for ridge in across]),
         _share([_is_levelled(group, ridge) for ridge in group.ridges]),
@@ -106,7 +109,7 @@ def _number(is_over: Mapping[str, bool], oblique: bool) -> int:
 
 
 def _second(is_over: Mapping[str, bool]) -> int:
-    return 2 if is_over["touching"] or is_over["unlike"] else 1
+    return 2 if is_over["touching_along"] or is_over["touching_across"] or is_over["unlike"] else 1
 
 
 def _touch(group: Group, ridge: Ridge) -> bool:

@@ -5,6 +5,7 @@ The definitions, and the thresholds of the modes, are in docs/metrology.md.
 
 import itertools
 import math
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,8 +26,7 @@ SMOOTH = 1.4  # nodes: the deviation of the Gaussian that the floor is smoothed 
 @dataclass(frozen=True)
 class Pit:
     """One crater of a group: place of its lowest point (x, y; m), depth below z = 0 (m), roughness of its bottom (m), the
-    number of its hollow, which joined craters share, contour (n, 2; m) of the hollow's pithead h/2 below z = 0, the pithead's ellipse at
-    z = 0, and the root mean square distance (m) of the contour from its own; no pithead where it is open at the edge."""
+    number of its hollow, which joined craters share, contour (n, 2; m) of its pithead h/2 below z = 0, the pithead's ellipse at z = 0, and the root mean square distance (m) of the contour from its own; no pithead where it is open at the edge."""
 
     place: tuple[float, float]
     depth: float
@@ -74,24 +74,7 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
     for label, ij in enumerate(places.values(), 1):
         markers[ij] = label
     basins = watershed(smooth, markers)  # type: ignore[no-untyped-call]
-    openings = Openings.of(surface)
-    bowls = [openings.bowl(*ij) for ij in places.values()]
-    depths = [-float(smooth[ij]) for ij in places.values()]
-    # Linked craters share a hollow, whose pithead is measured once, with the depth of the deepest.
-    pitheads: dict[int, Pithead | None] = {}
-    for depth, bowl in sorted(zip(depths, bowls, strict=True), key=lambda pair: -pair[0]):
-        if bowl.number not in pitheads:
-            pitheads[bowl.number] = bowl.pithead(depth)
-    pits = [
-        Pit(
-            (float(surface.x[i]), float(surface.y[j])),
-            depth,
-            _roughness((floor - smooth)[(basins == label) & (smooth < -depth / 2)]),
-            bowl.number,
-            *_outline(pitheads[bowl.number]),
-        )
-        for label, ((i, j), depth, bowl) in enumerate(zip(places.values(), depths, bowls, strict=True), 1)
-    ]
+    pits = _pits(surface, floor, smooth, basins, list(places.values()))
     ridges = [
         Ridge((a, b), along, height, *_rims(surface, floor, pits[a].place, pits[b].place))
         for (a, na), (b, nb) in itertools.combinations(enumerate(places), 2)
@@ -99,6 +82,24 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
         and (height := _pass(floor, basins, a + 1, b + 1)) is not None
     ]
     return Group(pits, ridges, surface.spacing)
+
+
+def _pits(
+    surface: Surface, floor: Array, smooth: Array, basins: NDArray[np.int32], places: list[tuple[int, int]]
+) -> list[Pit]:
+    """The craters with their lowest points in these columns, and the basins 1, 2, ... around them."""
+    openings = Openings.of(surface)
+    bowls = [openings.bowl(*ij) for ij in places]
+    shared = Counter(bowl.number for bowl in bowls)
+    pits = []
+    for label, ((i, j), bowl) in enumerate(zip(places, bowls, strict=True), 1):
+        depth = -float(smooth[i, j])
+        # Of a hollow that craters share, each has what lies in its own basin.
+        own = openings.within(basins == label).bowl(i, j) if shared[bowl.number] > 1 else bowl
+        roughness = _roughness((floor - smooth)[(basins == label) & (smooth < -depth / 2)])
+        place = (float(surface.x[i]), float(surface.y[j]))
+        pits.append(Pit(place, depth, roughness, bowl.number, *_outline(own.pithead(depth))))
+    return pits
 
 
 def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -> tuple[int, int] | None:
