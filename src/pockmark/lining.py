@@ -23,7 +23,8 @@ def lining(
     """Mass (kg, of the whole impact) of the projectile below z = 0 within the pithead, and thickness (m) at the bottom: the
     volume of its points within three spacings of the bottom, seen from above, over that circle's area."""
     left = np.isin(snapshot["body"], projectile_bodies) & (snapshot["position"][:, 2] < 0)
-    position, amounts = snapshot["position"][left], np.stack([snapshot["mass"], snapshot["volume"]], 1)[left]
+    position = snapshot["position"][left]
+    amounts = np.stack([snapshot[key][left] for key in ("mass", "volume")], axis=1)
     for mirror in mirrors:
         position, amounts = with_images(position, amounts, mirror)
     mass, volume = amounts.T

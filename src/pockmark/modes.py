@@ -113,7 +113,7 @@ def _second(is_over: Mapping[str, bool]) -> int:
 
 
 def _touch(group: Group, ridge: Ridge) -> bool:
-    """The two share a pithead, or their rims have become one."""
+    """The two share a hollow, or their rims have become one."""
     _, deeper = _depths(group, ridge)
     return ridge.height < -group.spacing / 2 or ridge.saddle < LEVEL * deeper < ridge.rim
 

@@ -26,7 +26,9 @@ SMOOTH = 1.4  # nodes: the deviation of the Gaussian that the floor is smoothed 
 @dataclass(frozen=True)
 class Pit:
     """One crater of a group: place of its lowest point (x, y; m), depth below z = 0 (m), roughness of its bottom (m), the
-    number of its hollow, which joined craters share, contour (n, 2; m) of its pithead h/2 below z = 0, the pithead's ellipse at z = 0, and the root mean square distance (m) of the contour from its own; no pithead where it is open at the edge."""
+    number of its hollow, which joined craters share, contour (n, 2; m) of its pithead h/2 below z = 0, the pithead's
+    ellipse at z = 0, and the root mean square distance (m) of the contour from its own; no pithead where it is open at
+    the edge."""
 
     place: tuple[float, float]
     depth: float

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .crater import Crater, measure_crater
 from .ejecta import copies, enhancement, find_ejecta, whole_momentum
+from .ellipse import Ellipse
 from .lining import lining
 from .modes import bottoms_of, measures_of, mode_of
 from .morphology import Group, Pit
@@ -80,10 +81,7 @@ def morphology_table(
         "uncertainty": uncertainties(crater, (low, high), spacing),
     }
     if (ellipse := crater.pithead) is not None:
-        shape |= {
-            "major_axis": ellipse.major,
-            "minor_axis": ellipse.minor,
-            "orientation": ellipse.orientation,
+        shape |= _axes(ellipse) | {
             "centre_x": ellipse.centre[0],
             "e1": ellipse.e1(crater.bottom[0]),
             "e2": ellipse.e2,
@@ -118,17 +116,23 @@ def group_table(group: Group, *, oblique: bool) -> dict[str, Any]:
     }
 
 
+def _axes(ellipse: Ellipse | None) -> dict[str, float | None]:
+    """Of a pithead; None where there is none."""
+    return {
+        "major_axis": ellipse.major if ellipse else None,
+        "minor_axis": ellipse.minor if ellipse else None,
+        "orientation": ellipse.orientation if ellipse else None,
+    }
+
+
 def _pit_table(pit: Pit) -> dict[str, Any]:
-    ellipse = pit.ellipse
     return {
         "x": pit.place[0],
         "y": pit.place[1],
         "depth": pit.depth,
         "roughness": pit.roughness,
         "hollow": pit.hollow,
-        "major_axis": ellipse.major if ellipse else None,
-        "minor_axis": ellipse.minor if ellipse else None,
-        "orientation": ellipse.orientation if ellipse else None,
+        **_axes(pit.ellipse),
         "residual": pit.residual,
     }
 
