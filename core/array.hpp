@@ -11,9 +11,10 @@
 
 namespace pockmark {
 
-// A pass reads twenty arrays side by side: in small pages each is another entry in the translation buffers,
-// and starting at the same place of a page they would compete for the same few lines of the cache. So large
-// arrays begin in a huge page, each a little farther into it than the last.
+// A pass reads twenty arrays side by side. Starting at the same place of a page, as the system hands them
+// out, they would compete for the same few lines of the cache, so each begins a little farther into its page
+// than the last. In small pages each is also another entry in the translation buffers: long arrays begin in a
+// huge one.
 template <class T>
 struct ArrayAllocator {
   using value_type = T;
@@ -25,23 +26,27 @@ struct ArrayAllocator {
 
   T* allocate(std::size_t n) {
     const std::size_t bytes = n * sizeof(T);
-    if (!is_large(n)) return static_cast<T*>(::operator new(bytes, std::align_val_t{line}));
-    char* at = static_cast<char*>(::operator new(bytes + page, std::align_val_t{huge}));
+    if (bytes < staggered) return static_cast<T*>(::operator new(bytes, std::align_val_t{line}));
+    const std::size_t start = boundary(bytes);
+    char* at = static_cast<char*>(::operator new(bytes + page, std::align_val_t{start}));
 #ifdef __linux__
-    madvise(at, (bytes + page) / huge * huge, MADV_HUGEPAGE);  // a wish: what comes of it does not matter
+    // A wish: what comes of it does not matter.
+    if (start == huge) madvise(at, (bytes + page) / huge * huge, MADV_HUGEPAGE);
 #endif
     static std::atomic<std::size_t> arrays{0};
     return reinterpret_cast<T*>(at + arrays++ * 5 * line % page);
   }
   void deallocate(T* at, std::size_t n) {
-    if (!is_large(n)) return ::operator delete(at, std::align_val_t{line});
+    const std::size_t bytes = n * sizeof(T);
+    if (bytes < staggered) return ::operator delete(at, std::align_val_t{line});
     const auto address = reinterpret_cast<std::uintptr_t>(at);
-    ::operator delete(reinterpret_cast<void*>(address - address % huge), std::align_val_t{huge});
+    ::operator delete(reinterpret_cast<void*>(address - address % page), std::align_val_t{boundary(bytes)});
   }
   friend bool operator==(const ArrayAllocator&, const ArrayAllocator&) { return true; }
 
  private:
-  static bool is_large(std::size_t n) { return n * sizeof(T) >= 2 * huge; }
+  static constexpr std::size_t staggered = 16 * page;
+  static std::size_t boundary(std::size_t bytes) { return bytes < huge ? page : huge; }
 };
 template <class T>
 using Array = std::vector<T, ArrayAllocator<T>>;
