@@ -65,7 +65,7 @@ struct Particles {
 
   // Asks the cache for fields of the points a few blocks on from p: their streams are too many for the
   // processor to foresee.
-  static constexpr std::size_t ahead = 256;
+  static constexpr std::size_t ahead = 144;
   PM_HD void prefetch(std::size_t p) const {
 #pragma GCC unroll 32
     for (const auto& c : components) __builtin_prefetch(c.data() + p + ahead, 1, 2);

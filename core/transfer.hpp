@@ -16,7 +16,7 @@ struct Run {
 
 // Consecutive points; few enough that what one kernel leaves of them is still in the cache for the next.
 struct Block {
-  static constexpr std::size_t most = 128;
+  static constexpr std::size_t most = 48;
   std::size_t begin, end;
   bool one_body;
   int run_count;
