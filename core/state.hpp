@@ -64,15 +64,11 @@ struct Particles {
   }
 
   // Asks the cache for fields of the points a few blocks on from p: their streams are too many for the
-  // processor to foresee.
+  // processor to foresee. Each loop asks for a share of them: the queue of lines under way is short.
   static constexpr std::size_t ahead = 144;
-  PM_HD void prefetch(std::size_t p) const {
-#pragma GCC unroll 32
-    for (const auto& c : components) __builtin_prefetch(c.data() + p + ahead, 1, 2);
-  }
-  PM_HD void prefetch_motion(std::size_t p) const {
-    for (Field field : {Field::place, Field::velocity})
-      for (int a = 0; a < 3; ++a) __builtin_prefetch(at(field, a) + p + ahead, 1, 2);
+  template <class... Fields>
+  PM_HD void prefetch(std::size_t p, Fields... fields) const {
+    (prefetch_field(p, fields), ...);
   }
   // Of point p, or of the n points from p on in the lanes of V.
   template <class V = T>
@@ -130,6 +126,13 @@ struct Particles {
     Pack<V>::store(at(Field::plastic_strain) + p, s.plastic_strain, n);
     Pack<V>::store(at(Field::temperature) + p, s.temperature, n);
     Pack<V>::store(at(Field::damage) + p, s.damage, n);
+  }
+
+ private:
+  PM_HD void prefetch_field(std::size_t p, Field field) const {
+#pragma GCC unroll 6
+    for (int c = first_component(field); c < field_offsets[std::size_t(field) + 1]; ++c)
+      __builtin_prefetch(components[c].data() + p + ahead, 1, 2);
   }
 };
 

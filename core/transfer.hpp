@@ -176,6 +176,7 @@ void gather_gradient(const Particles<T>& points, const GridGeometry<T>& grid, co
     const Interpolant<Shape, T> velocity(patch);
     using R = run_pack_t<V>;
     for_each_pack<R>(run, [&](std::size_t p, int n) PM_INLINE {
+      points.prefetch(p, Field::place);
       const std::size_t i = p - block.begin;
       R d[3][3];  // half of d v_c / d x_a
       velocity.slopes(points.template vector<R>(Field::place, p, n), d);

@@ -59,7 +59,7 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
       return points.template load<V>(Field::mass, p, n) * material.specific_volume;
     };
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-      points.prefetch(p);
+      points.prefetch(p, Field::dilation, Field::energy, Field::deviator);
       auto point = points.template state<V>(p, n);
       const auto L = velocity_gradient<V>(gradient, p - block.begin);
       const bool yields = any(update.strain(point, L, first_lanes<V>(n), tally));
@@ -75,6 +75,8 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
       yield.add(p, n);
     });
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
+      points.prefetch(p, Field::velocity, Field::mass, Field::pressure, Field::viscosity,
+                      Field::plastic_strain, Field::temperature, Field::damage);
       auto point = points.template state<V>(p, n);
       const auto L = velocity_gradient<V>(gradient, p - block.begin);
       const V volume = reference_volume(p, n);
@@ -125,7 +127,7 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
     });
   V taken = V(0);
   for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
-    points.prefetch_motion(p);
+    points.prefetch(p, Field::place, Field::velocity);
     const auto flip =
         points.template vector<V>(Field::velocity, p, n) + change.template vector<V>(p - block.begin);
     if (!(pic > T(0))) return points.set_vector(Field::velocity, p, flip, n);
@@ -143,7 +145,8 @@ void strain_points(Particles<T>& points, const std::vector<Material<T>>& materia
                    const Columns<T, 9>& gradient, T dt) {
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-      points.prefetch(p);
+      points.prefetch(p, Field::dilation, Field::energy, Field::deviator, Field::pressure, Field::viscosity,
+                      Field::damage);
       auto point = points.template state<V>(p, n);
       const auto L = velocity_gradient<V>(gradient, p - block.begin);
       follow_strain(material, point, L, dt);
