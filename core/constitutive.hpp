@@ -119,8 +119,8 @@ struct StressUpdate {
                 Tally<V>& tally) const {
     const V ratio = point.ratio(), compression = V(1) / ratio;
     const V rate = trace(strain_rate), strain = dt * rate;
-    const auto isochore = material.eos.visit(
-        [&](const auto& e) PM_INLINE { return e.at(-point.dilation * compression, ratio); });
+    const Compression<V> change{-point.dilation * compression, -point.dilation, ratio};
+    const auto isochore = material.eos.visit([&](const auto& e) PM_INLINE { return e.at(change); });
     tally.count(Counter::eos_caps, active && isochore.capped);
     tally.compression = select(active, max(tally.compression, compression), tally.compression);
 
@@ -132,9 +132,10 @@ struct StressUpdate {
 
     // E1 = E + w (s:D' - (p1+q) tr D) V/V0 dt with p1 = cold + thermal E1, solved together.
     const V weight = new_share * ratio, work = weight * strain;
+    const V share = V(1) / (V(1) + isochore.thermal * work);  // ready before what it multiplies
     const V known =
         point.energy + (weight * dt) * double_dot(point.deviator, strain_rate) - point.viscosity * work;
-    const V p = (isochore.cold + isochore.thermal * known) / (V(1) + isochore.thermal * work);
+    const V p = share * (isochore.cold + isochore.thermal * known);
     const auto intact = point.damage < V(1);
     point.pressure = select(intact, p, max(p, V(0)));
     point.energy = known - work * point.pressure;

@@ -1,9 +1,17 @@
-// What an equation of state gives the stress update: pressure as a linear function of the energy. Its `at` is
-// given mu = rho/rho0 - 1 and the ratio V/V0 = 1/(1 + mu).
+// What an equation of state is given, and what it gives the stress update: pressure as a linear function of
+// the energy.
 #pragma once
 #include "../lanes.hpp"
 
 namespace pockmark {
+
+// A change of volume in the three forms in which laws are written.
+template <class V>
+struct Compression {
+  V mu;     // rho/rho0 - 1
+  V eta;    // 1 - rho0/rho
+  V ratio;  // V/V0 = rho0/rho
+};
 
 // p = cold + thermal E at a given compression mu = rho/rho0 - 1 (Pa; E in J per m^3 of initial volume).
 // The slopes are by mu.

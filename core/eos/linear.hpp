@@ -20,8 +20,8 @@ struct LinearEos {
   }
   PM_HD T bulk_modulus() const { return bulk_modulus_; }
   template <class V>
-  PM_HD Isochore<V> at(V mu, V) const {
-    return {bulk_modulus_ * mu, V(0), V(bulk_modulus_), V(0)};
+  PM_HD Isochore<V> at(const Compression<V>& c) const {
+    return {bulk_modulus_ * c.mu, V(0), V(bulk_modulus_), V(0)};
   }
 };
 

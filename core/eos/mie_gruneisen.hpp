@@ -24,27 +24,29 @@ struct MieGruneisen {
   PM_HD T bulk_modulus() const { return density * c0 * c0; }
 
   template <class V>
-  PM_HD Isochore<V> at(V mu, V ratio) const {
-    const auto compressed = V(0) <= mu;
-    if (!any(compressed)) return expanded(mu);
-    const auto out = shocked(mu, ratio);
-    return any(!compressed) ? select(compressed, out, expanded(mu)) : out;
+  PM_HD Isochore<V> at(const Compression<V>& c) const {
+    const auto compressed = V(0) <= c.eta;
+    if (!any(compressed)) return expanded(c.mu);
+    const auto out = shocked(c.eta, c.ratio);
+    return any(!compressed) ? select(compressed, out, expanded(c.mu)) : out;
   }
 
  private:
+  // With eta = mu/(1 + mu) the Hugoniot is p_H = rho0 c0^2 eta/(1 - s eta)^2, and gamma = gamma0/(1 + mu),
+  // Eq. 19, makes gamma mu = gamma0 eta.
   template <class V>
-  PM_HD Isochore<V> shocked(V mu, V ratio) const {
-    // 0.95 of the pole: p_H is 5000 times the bulk modulus there.
-    const T cap = s > T(1) ? T(0.95) / (s - T(1)) : T(20);
-    const auto capped = V(cap) < mu;
-    mu = select(capped, V(cap), mu);
-    ratio = select(capped, V(T(1) / (T(1) + cap)), ratio);
-    const V half_gamma = T(0.5) * gamma0 * ratio;  // gamma = gamma0 / (1 + mu), Eq. 19
-    const V g = V(1) - half_gamma * mu, g_slope = -(half_gamma * ratio);
-    const V d = V(1) / (V(1) - (s - T(1)) * mu), kd2 = bulk_modulus() * d * d;
-    const V hugoniot = kd2 * mu * (V(1) + mu);
-    const V hugoniot_slope = kd2 * d * (V(1) + (s + T(1)) * mu);
-    return {hugoniot * g, V(gamma0), hugoniot_slope * g + hugoniot * g_slope, V(0), capped};
+  PM_HD Isochore<V> shocked(V eta, V ratio) const {
+    // mu at 0.95 of the pole: p_H is 5000 times the bulk modulus there.
+    const T most = s > T(1) ? T(0.95) / (s - T(1)) : T(20), cap = most / (T(1) + most);
+    const auto capped = V(cap) < eta;
+    eta = select(capped, V(cap), eta);
+    ratio = select(capped, V(T(1) / (T(1) + most)), ratio);
+    const V d = V(1) / (V(1) - s * eta), kd2 = bulk_modulus() * d * d;
+    const V hugoniot = kd2 * eta, hugoniot_slope = kd2 * d * (V(1) + s * eta);  // this one by eta
+    const T half_gamma = T(0.5) * gamma0;
+    const V g = V(1) - half_gamma * eta;
+    return {hugoniot * g, V(gamma0), ratio * ratio * (hugoniot_slope * g - half_gamma * hugoniot), V(0),
+            capped};
   }
   // gamma stays gamma0. The paper's gamma rho = gamma0 rho0 would make gamma, and the heat of recompression
   // (E ~ exp(gamma0 rho0/rho)), grow without bound as a fragment expands.
