@@ -106,10 +106,11 @@ PM_HD Sym3<T> select(M m, const Sym3<T>& a, const Sym3<T>& b) {
 // rotation never changes the norm of the stress. `half` is half of the angle, `f` 2/(1 + half^2).
 template <class T>
 PM_HD Sym3<T> rotate(const Sym3<T>& s, const Vec3<T>& half, T f) {
-  const T a = half.x, b = half.y, c = half.z;
-  const T r[3][3] = {{T(1) - f * (b * b + c * c), f * (a * b - c), f * (a * c + b)},
-                     {f * (a * b + c), T(1) - f * (a * a + c * c), f * (b * c - a)},
-                     {f * (a * c - b), f * (b * c + a), T(1) - f * (a * a + b * b)}};
+  const T a = half.x, b = half.y, c = half.z, fa = f * a, fb = f * b, fc = f * c;
+  const T aa = fa * a, bb = fb * b, cc = fc * c;
+  const T r[3][3] = {{T(1) - (bb + cc), fa * b - fc, fa * c + fb},
+                     {fa * b + fc, T(1) - (aa + cc), fb * c - fa},
+                     {fa * c - fb, fb * c + fa, T(1) - (aa + bb)}};
   const T m[3][3] = {{s.xx, s.xy, s.zx}, {s.xy, s.yy, s.yz}, {s.zx, s.yz, s.zz}};
   T rm[2][3];
   for (int i = 0; i < 2; ++i)

@@ -30,12 +30,15 @@ PM_HD Nodes<T> in_lanes(const T (&eight)[8]) {
 }
 
 // The two linear functions of an axis, 1 - f or f, at the nodes of a face across another one: of its two axes
-// this is the slow or the fast one. An exclusive or and a sum leave the units that multiply to the rest of
-// the work.
+// this is the slow or the fast one; or that across the face, where the lanes hold both. An exclusive or and a
+// sum leave the units that multiply to the rest of the work.
 template <class T>
 struct AxisWeights {
   Nodes<T> start, sign;
 
+  PM_HD static AxisWeights slowest() {
+    return {in_lanes<T>({1, 1, 1, 1, 0, 0, 0, 0}), in_lanes<T>({-1, -1, -1, -1, 1, 1, 1, 1})};
+  }
   PM_HD static AxisWeights slow() {
     return {in_lanes<T>({1, 1, 0, 0, 1, 1, 0, 0}), in_lanes<T>({-1, -1, 1, 1, -1, -1, 1, 1})};
   }
@@ -81,14 +84,13 @@ PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run,
   }
 }
 
-// Weights that have the shares `near` and `far` of a face's, at the eight nodes.
+// The weights of a face, of which the nodes at the far one get a share f, at the eight nodes.
 template <class T>
-PM_HD void spread(T near, T far, const Nodes<T>& face, Nodes<T> (&out)[NodeLanes<T>::parts]) {
+PM_HD void spread(T f, const Nodes<T>& face, Nodes<T> (&out)[NodeLanes<T>::parts]) {
   if constexpr (NodeLanes<T>::parts == 2) {
-    out[0] = near * face, out[1] = far * face;
+    out[1] = f * face, out[0] = face - out[1];
   } else {
-    const Nodes<T> all_near = near - Nodes<T>{}, all_far = far - Nodes<T>{};
-    out[0] = PM_PICK(all_near, all_far, 0, 1, 2, 3, 12, 13, 14, 15) * face;
+    out[0] = AxisWeights<T>::slowest()(f) * face;
   }
 }
 
@@ -106,8 +108,7 @@ void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid,
   Nodes<T> sum[4][parts]{}, weight[parts];
   std::size_t p = run.begin;
   do {  // a run is never empty
-    const T far = mass[p] * fx[p];
-    spread(mass[p] - far, far, y(fy[p]) * z(fz[p]), weight);
+    spread(fx[p], mass[p] * (y(fy[p]) * z(fz[p])), weight);
     for (int i = 0; i < parts; ++i) {
       sum[0][i] += vx[p] * weight[i], sum[1][i] += vy[p] * weight[i], sum[2][i] += vz[p] * weight[i];
       sum[3][i] += weight[i];
@@ -126,7 +127,7 @@ PM_HD void add_slopes(const Nodes<T>& by_x, const Nodes<T>& by_y, const Nodes<T>
     out[0] = slow * PM_PICK(by_y, by_y, 0, 1, 0, 1) + fast * PM_PICK(by_z, by_z, 0, 0, 1, 1) - by_x;
     out[1] = slow * PM_PICK(by_y, by_y, 2, 3, 2, 3) + fast * PM_PICK(by_z, by_z, 2, 2, 3, 3) + by_x;
   } else {
-    const auto slowest = in_lanes<T>({-1, -1, -1, -1, 1, 1, 1, 1});
+    const auto slowest = AxisWeights<T>::slowest().sign;
     out[0] = slow * PM_PICK(by_y, by_y, 0, 1, 0, 1, 2, 3, 2, 3) +
              fast * PM_PICK(by_z, by_z, 0, 0, 1, 1, 2, 2, 3, 3) + slowest * by_x;
   }
