@@ -93,13 +93,16 @@ struct StressProbe {
     }
     const auto update = [&](Particles<double>& of, std::size_t begin, std::size_t end) {
       const Block block{begin, end, true, 0, nullptr};
-      Columns<double, 9> gradient;
+      StrainColumns<double> strains;
       for (std::size_t p = begin; p < end; ++p) {
-        for (int c = 0; c < 9; ++c) gradient.store(c, p - begin, gradients.data()[9 * p + c]);
+        const double* d = gradients.data() + 9 * p;
+        store_strain(strains, p - begin,
+                     Strain<double>(dt * Sym3<double>{d[0], d[1], d[2], d[3], d[4], d[5]},
+                                    dt / 2 * Vec3<double>{d[6], d[7], d[8]}));
       }
       Audit audit;
       Columns<double, 6> push;
-      update_stress<V>(of, materials, cell, block, gradient, {dt, dt, 0.5, 0.5}, audit, push);
+      update_stress<V>(of, materials, cell, block, strains, {dt, dt, 0.5, 0.5}, audit, push);
       return audit.wave_speed;
     };
     auto alone = points;  // at rest and one by one, the fastest wave is the sound speed

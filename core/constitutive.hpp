@@ -44,34 +44,28 @@ struct Material {
   PM_HD T shear_speed() const { return std::sqrt(shear_modulus() / density()); }
 };
 
-// Power of the point's stress per m^3 of initial volume, (s - (p+q) I) : D V/V0.
+// Work of the point's stress per m^3 of initial volume, (s - (p+q) I) : D dt V/V0.
 template <class V>
-PM_HD V stress_power(const PointState<V>& point, const Sym3<V>& rate) {
-  return (double_dot(point.deviator, rate) - (point.pressure + point.viscosity) * trace(rate)) *
+PM_HD V stress_work(const PointState<V>& point, const Sym3<V>& strain) {
+  return (double_dot(point.deviator, strain) - (point.pressure + point.viscosity) * trace(strain)) *
          point.ratio();
 }
 
-// Takes a point's volume and deviator through an elastic strain a and its spin. V1 = V (1 + a/2)/(1 - a/2),
-// then (V + V1)/2 a = V1 - V exactly. Failed points have no deviator.
+// Takes a point's volume and deviator through an elastic strain. Failed points have no deviator.
 template <class V, class T>
-PM_HD void strain_elastically(PointState<V>& point, const VelocityGradient<V>& L, T shear_modulus, T dt) {
-  const V strain = dt * trace(L.strain_rate);
-  const auto half = V(T(0.5) * dt) * L.spin;
-  const V turned = V(1) + dot(half, half), shrunk = V(1) - V(0.5) * strain;
-  const V share = V(1) / (turned * shrunk);  // one division for two
-  point.dilation += point.ratio() * strain * (share * turned);
-  const auto s = rotate(point.deviator, half, V(2) * (share * shrunk)) +
-                 V(T(2) * shear_modulus * dt) * deviator(L.strain_rate);
+PM_HD void strain_elastically(PointState<V>& point, const Strain<V>& strain, T shear_modulus) {
+  point.dilation += point.ratio() * strain.growth;
+  const auto s = rotate(point.deviator, strain.half_turn, strain.turn) +
+                 V(T(2) * shear_modulus) * deviator(strain.small);
   point.deviator = select(point.damage < V(1), s, Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
 }
 
-// Moves the point through a strain of duration dt under its old stress: pays the whole work of that stress,
-// takes the volume along, and leaves an elastic trial deviator for the StressUpdate that follows.
+// Moves the point through a strain under its old stress: pays the whole work of that stress, takes the volume
+// along, and leaves an elastic trial deviator for the StressUpdate that follows.
 template <class V, class T>
-PM_HD void follow_strain(const Material<T>& material, PointState<V>& point, const VelocityGradient<V>& L,
-                         T dt) {
-  point.energy += dt * stress_power(point, L.strain_rate);
-  strain_elastically(point, L, material.shear_modulus(), dt);
+PM_HD void follow_strain(const Material<T>& material, PointState<V>& point, const Strain<V>& strain) {
+  point.energy += stress_work(point, strain.small);
+  strain_elastically(point, strain, material.shear_modulus());
 }
 
 // The update of a pack of points of one material, in four stages: strain, return to the yield surface,
@@ -89,11 +83,11 @@ struct StressUpdate {
   T old_share, new_share;  // weights of sigma_old : D and sigma_new : D in the energy paid here
 
   // Half of the work, volume, elastic trial deviator. Returns which points may be beyond the yield surface.
-  PM_HD Mask strain(PointState<V>& point, const VelocityGradient<V>& L, Mask active, Tally<V>& tally) const {
-    if (old_share > T(0)) point.energy += old_share * dt * stress_power(point, L.strain_rate);
-    const V rate = absolute(trace(L.strain_rate));
+  PM_HD Mask strain(PointState<V>& point, const Strain<V>& by, Mask active, Tally<V>& tally) const {
+    if (old_share > T(0)) point.energy += old_share * stress_work(point, by.small);
+    const V rate = absolute(trace(by.small)) * (T(1) / dt);
     tally.volumetric_rate = select(active, max(tally.volumetric_rate, rate), tally.volumetric_rate);
-    strain_elastically(point, L, material.shear_modulus(), dt);
+    strain_elastically(point, by, material.shear_modulus());
     const V trial2 = effective_squared(point.deviator);
     return active && material.strength.visit(
                          [&](const auto& s) PM_INLINE { return s.may_yield(trial2, point.temperature); });
@@ -115,10 +109,10 @@ struct StressUpdate {
   }
 
   // Returns the square of the sound speed.
-  PM_HD V press(PointState<V>& point, const Sym3<V>& strain_rate, V reference_volume, Mask active,
+  PM_HD V press(PointState<V>& point, const Sym3<V>& strain, V reference_volume, Mask active,
                 Tally<V>& tally) const {
     const V ratio = point.ratio(), compression = V(1) / ratio;
-    const V rate = trace(strain_rate), strain = dt * rate;
+    const V opened = trace(strain);
     const Compression<V> change{-point.dilation * compression, -point.dilation, ratio};
     const auto isochore = material.eos.visit([&](const auto& e) PM_INLINE { return e.at(change); });
     tally.count(Counter::eos_caps, active && isochore.capped);
@@ -126,27 +120,26 @@ struct StressUpdate {
 
     const V stiffness = isochore.stiffness(point.pressure, point.energy, ratio);
     const V bulk_c2 = material.specific_volume * max(stiffness, V(0));
-    const V closing = max(-rate, V(0));
+    const V closing = max(-opened, V(0)) * (T(1) / dt);  // rate
     point.viscosity = material.density() * cell * compression * closing *
                       (material.q_quadratic * cell * closing + material.q_linear * root(bulk_c2));
 
     // E1 = E + w (s:D' - (p1+q) tr D) V/V0 dt with p1 = cold + thermal E1, solved together.
-    const V weight = new_share * ratio, work = weight * strain;
+    const V weight = new_share * ratio, work = weight * opened;
     const V share = V(1) / (V(1) + isochore.thermal * work);  // ready before what it multiplies
-    const V known =
-        point.energy + (weight * dt) * double_dot(point.deviator, strain_rate) - point.viscosity * work;
+    const V known = point.energy + weight * double_dot(point.deviator, strain) - point.viscosity * work;
     const V p = share * (isochore.cold + isochore.thermal * known);
     const auto intact = point.damage < V(1);
     point.pressure = select(intact, p, max(p, V(0)));
     point.energy = known - work * point.pressure;
-    tally.viscous_work -= select(active, point.viscosity * strain * ratio * reference_volume, V(0));
+    tally.viscous_work -= select(active, point.viscosity * opened * ratio * reference_volume, V(0));
 
     const T shear = T(4.0 / 3.0) * material.shear_modulus() * material.specific_volume;
     return bulk_c2 + select(intact, shear * ratio, V(0));
   }
 
   // Damage and heat of a plastic increment. Points that fail lose their deviator and their tension.
-  PM_HD void damage(PointState<V>& point, V plastic, const Sym3<V>& strain_rate, Mask active,
+  PM_HD void damage(PointState<V>& point, V plastic, const Sym3<V>& strain, Mask active,
                     Tally<V>& tally) const {
     const auto yields = active && V(0) < plastic;
     const V flow = effective(point.deviator);
@@ -169,10 +162,10 @@ struct StressUpdate {
     tally.count(Counter::failed_points, failed);
     // The nodes will feel the failed stress, so that is what the energy is paid with.
     auto after = point;
-    after.energy -= new_share * dt * stress_power(after, strain_rate);
+    after.energy -= new_share * stress_work(after, strain);
     after.deviator = {V(0), V(0), V(0), V(0), V(0), V(0)};
     after.pressure = max(after.pressure, V(0));
-    after.energy += new_share * dt * stress_power(after, strain_rate);
+    after.energy += new_share * stress_work(after, strain);
     point = select(failed, after, point);
   }
 };

@@ -343,10 +343,10 @@ class Solver {
     const auto work = [&](int tile, const Block& block) {
       Columns<T, 6> push;
       if (velocity) {
-        Columns<T, 9> gradient;
-        gather_gradient<typename K::Shape, typename K::V>(points_, grid_.geometry, block, *velocity,
-                                                          gradient);
-        update_stress<typename K::V>(points_, materials_, grid_.geometry.cell, block, gradient, step,
+        StrainColumns<T> strains;
+        gather_strain<typename K::Shape, typename K::V>(points_, grid_.geometry, block, *velocity, step.dt,
+                                                        strains);
+        update_stress<typename K::V>(points_, materials_, grid_.geometry.cell, block, strains, step,
                                      audits_[tile], push);
       } else
         push_of_stress<typename K::V>(points_, materials_, block, push);
@@ -443,10 +443,10 @@ class Solver {
     mapped_ = true;
     const auto work = [&](int tile, const Block& block) {
       if (options_.scheme == Scheme::usavg) {
-        Columns<T, 9> gradient;
-        gather_gradient<typename K::Shape, typename K::V>(points_, grid_.geometry, block, grid_.remapped,
-                                                          gradient);
-        strain_points<typename K::V>(points_, materials_, block, gradient, T(0.5) * T(dt_));
+        StrainColumns<T> strains;
+        gather_strain<typename K::Shape, typename K::V>(points_, grid_.geometry, block, grid_.remapped,
+                                                        T(dt_ / 2), strains);
+        strain_points<typename K::V>(points_, materials_, block, strains);
       }
       return move_block<K>(tile, block);
     };

@@ -89,11 +89,22 @@ PM_HD T effective(const Sym3<T>& s) {
   return root(effective_squared(s));
 }
 
-// A velocity gradient split into the rate of strain D and the axial vector w of the spin (W x = w cross x).
+// What a velocity gradient does to a point in a time dt, with what of it takes a division: done here, while
+// the next point's gradient is on its way, and not where stresses wait for it.
 template <class T>
-struct VelocityGradient {
-  Sym3<T> strain_rate;
-  Vec3<T> spin;
+struct Strain {
+  Sym3<T> small;      // D dt
+  Vec3<T> half_turn;  // half of the axial vector w of the spin (W x = w cross x) times dt
+  T growth;           // V1/V - 1: V1 = V (1 + a/2)/(1 - a/2), a = tr D dt, then (V + V1)/2 a = V1 - V exactly
+  T turn;             // 2/(1 + |half_turn|^2), see rotate
+
+  Strain() = default;
+  PM_HD Strain(const Sym3<T>& small_, const Vec3<T>& half_turn_) : small(small_), half_turn(half_turn_) {
+    const T opened = trace(small), shrunk = T(1) - T(0.5) * opened;
+    const T turned = T(1) + dot(half_turn, half_turn);
+    const T share = T(1) / (turned * shrunk);  // one division for two
+    growth = opened * (share * turned), turn = T(2) * (share * shrunk);
+  }
 };
 
 template <class M, class T>

@@ -165,33 +165,46 @@ class Interpolant<Linear<T>, T> {
   Quad<T> one_, x_, y_, z_, xy_, yz_, zx_, xyz_;
 };
 
-// The rate of strain (columns 0 to 5) and the spin (6 to 8) of a nodal velocity at the points of a block.
+// The strain of each point of a block: the numbers of a Strain in their order.
+template <class T>
+using StrainColumns = Columns<T, 11>;
+
+template <class V, class T>
+PM_HD void store_strain(StrainColumns<T>& out, std::size_t i, const Strain<V>& strain) {
+  const auto& [d, w, growth, turn] = strain;
+  const V columns[11] = {d.xx, d.yy, d.zz, d.xy, d.yz, d.zx, w.x, w.y, w.z, growth, turn};
+  for (int c = 0; c < 11; ++c) out.store(c, i, columns[c]);
+}
+template <class V, class T>
+PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
+  const auto at = [&](int c) { return from.template load<V>(c, i); };
+  Strain<V> strain;
+  strain.small = {at(0), at(1), at(2), at(3), at(4), at(5)};
+  strain.half_turn = {at(6), at(7), at(8)};
+  strain.growth = at(9), strain.turn = at(10);
+  return strain;
+}
+
+// How a nodal velocity strains the points of a block in a time dt.
 template <class Shape, class V, class T>
-void gather_gradient(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                     const Array<Quad<T>>& nodes, Columns<T, 9>& out) {
+void gather_strain(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
+                   const Array<Quad<T>>& nodes, T dt, StrainColumns<T>& out) {
   for_each_run(block, [&](const Run& run) {
     Patch<Shape, T> patch;
     patch.load(grid, run, nodes);
-    patch.scale(T(0.5) * grid.per_metre);
-    const Interpolant<Shape, T> velocity(patch);
+    patch.scale(T(0.5) * dt * grid.per_metre);
+    const Interpolant<Shape, T> displacement(patch);
     using R = run_pack_t<V>;
     for_each_pack<R>(run, [&](std::size_t p, int n) PM_INLINE {
       points.prefetch(p, Field::place);
-      const std::size_t i = p - block.begin;
-      R d[3][3];  // half of d v_c / d x_a
-      velocity.slopes(points.template vector<R>(Field::place, p, n), d);
-      out.store(0, i, d[0][0] + d[0][0]), out.store(1, i, d[1][1] + d[1][1]);
-      out.store(2, i, d[2][2] + d[2][2]), out.store(3, i, d[0][1] + d[1][0]);
-      out.store(4, i, d[1][2] + d[2][1]), out.store(5, i, d[2][0] + d[0][2]);
-      out.store(6, i, d[2][1] - d[1][2]), out.store(7, i, d[0][2] - d[2][0]);
-      out.store(8, i, d[1][0] - d[0][1]);
+      R d[3][3];  // dt/2 d v_c / d x_a
+      displacement.slopes(points.template vector<R>(Field::place, p, n), d);
+      const Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
+                          d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
+      const Vec3<R> turn{d[2][1] - d[1][2], d[0][2] - d[2][0], d[1][0] - d[0][1]};
+      store_strain(out, p - block.begin, Strain<R>(small, R(T(0.5)) * turn));
     });
   });
-}
-template <class V, class T>
-PM_HD VelocityGradient<V> velocity_gradient(const Columns<T, 9>& gradient, std::size_t i) {
-  const auto g = [&](int c) { return gradient.template load<V>(c, i); };
-  return {{g(0), g(1), g(2), g(3), g(4), g(5)}, {g(6), g(7), g(8)}};
 }
 
 // A nodal vector field at the points of a block; load(patch, run) fetches the nodes of a run.

@@ -48,8 +48,8 @@ struct PackList {
 // with.
 template <class V, class T = number_t<V>>
 void update_stress(Particles<T>& points, const std::vector<Material<T>>& materials, T cell,
-                   const Block& block, const Columns<T, 9>& gradient, const StressStep<T>& step, Audit& audit,
-                   Columns<T, 6>& push) {
+                   const Block& block, const StrainColumns<T>& strains, const StressStep<T>& step,
+                   Audit& audit, Columns<T, 6>& push) {
   Columns<T, 1> plastic;
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     const StressUpdate<V> update{material, cell, step.dt, step.step, step.old_share, step.new_share};
@@ -61,8 +61,8 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       points.prefetch(p, Field::dilation, Field::energy, Field::deviator);
       auto point = points.template state<V>(p, n);
-      const auto L = velocity_gradient<V>(gradient, p - block.begin);
-      const bool yields = any(update.strain(point, L, first_lanes<V>(n), tally));
+      const auto strain = load_strain<V>(strains, p - block.begin);
+      const bool yields = any(update.strain(point, strain, first_lanes<V>(n), tally));
       points.store_strained(p, point, n);
       if (yields) may_yield.add(p, n);
     });
@@ -78,9 +78,9 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
       points.prefetch(p, Field::velocity, Field::mass, Field::pressure, Field::viscosity,
                       Field::plastic_strain, Field::temperature, Field::damage);
       auto point = points.template state<V>(p, n);
-      const auto L = velocity_gradient<V>(gradient, p - block.begin);
+      const auto strain = load_strain<V>(strains, p - block.begin);
       const V volume = reference_volume(p, n);
-      const V c2 = update.press(point, L.strain_rate, volume, first_lanes<V>(n), tally);
+      const V c2 = update.press(point, strain.small, volume, first_lanes<V>(n), tally);
       const auto v = points.template vector<V>(Field::velocity, p, n);
       tally.note_speed(first_lanes<V>(n), c2, dot(v, v));
       points.store_pressed(p, point, n);
@@ -88,9 +88,9 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
     });
     yield.for_each([&](std::size_t p, int n) PM_INLINE {
       auto point = points.template state<V>(p, n);
-      const auto L = velocity_gradient<V>(gradient, p - block.begin);
+      const auto strain = load_strain<V>(strains, p - block.begin);
       const V increment = plastic.template load<V>(0, p - block.begin);
-      update.damage(point, increment, L.strain_rate, first_lanes<V>(n), tally);
+      update.damage(point, increment, strain.small, first_lanes<V>(n), tally);
       points.store(p, point, n);
       store_push(push, p - block.begin, point, reference_volume(p, n), n);
     });
@@ -142,14 +142,14 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
 // Moves the stress of the points through a strain of duration dt (see follow_strain).
 template <class V, class T = number_t<V>>
 void strain_points(Particles<T>& points, const std::vector<Material<T>>& materials, const Block& block,
-                   const Columns<T, 9>& gradient, T dt) {
+                   const StrainColumns<T>& strains) {
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       points.prefetch(p, Field::dilation, Field::energy, Field::deviator, Field::pressure, Field::viscosity,
                       Field::damage);
       auto point = points.template state<V>(p, n);
-      const auto L = velocity_gradient<V>(gradient, p - block.begin);
-      follow_strain(material, point, L, dt);
+      const auto strain = load_strain<V>(strains, p - block.begin);
+      follow_strain(material, point, strain);
       points.store_strained(p, point, n);
     });
   });

@@ -25,7 +25,8 @@ void require(cudaError_t status) {
 template <class T>
 struct Case {
   PointState<T> point;
-  VelocityGradient<T> gradient;
+  Sym3<T> strain;
+  Vec3<T> half_turn;
 };
 
 // What a point's update leaves: its state, fast_log, fast_exp and fast_pow of its temperature, the squared
@@ -56,10 +57,11 @@ PM_HD Result<T> updated(const Material<T>& material, Case<T> given) {
   auto& point = given.point;
   Tally<T> tally;
   T increment = 0;
-  if (update.strain(point, given.gradient, true, tally))
+  const Strain<T> strain(given.strain, given.half_turn);
+  if (update.strain(point, strain, true, tally))
     increment = update.return_to_yield(point, volume, true, tally);
-  const T c2 = update.press(point, given.gradient.strain_rate, volume, true, tally);
-  if (increment > T(0)) update.damage(point, increment, given.gradient.strain_rate, true, tally);
+  const T c2 = update.press(point, strain.small, volume, true, tally);
+  if (increment > T(0)) update.damage(point, increment, strain.small, true, tally);
   const T t = point.temperature / T(775);
   return {point, fast_log(t), fast_exp(-t), fast_pow(t, T(0.34)), c2};
 }
@@ -75,7 +77,7 @@ std::vector<Case<T>> random_cases(int n) {
   std::mt19937 engine(7);
   const auto uniform = [&](double a, double b) { return T(std::uniform_real_distribution(a, b)(engine)); };
   std::vector<Case<T>> cases(n);
-  for (auto& [point, gradient] : cases) {
+  for (auto& [point, strain, turn] : cases) {
     point.dilation = uniform(-0.4, 0.3), point.energy = uniform(0, 5e9), point.pressure = uniform(-1e9, 3e10);
     point.viscosity = uniform(0, 1e9), point.plastic_strain = uniform(0, 2),
     point.temperature = uniform(293, 800);
@@ -84,10 +86,9 @@ std::vector<Case<T>> random_cases(int n) {
          {&point.deviator.xx, &point.deviator.yy, &point.deviator.xy, &point.deviator.yz, &point.deviator.zx})
       *c = uniform(-2e8, 2e8);
     point.deviator.zz = -point.deviator.xx - point.deviator.yy;
-    auto& rate = gradient.strain_rate;
-    for (T* c : {&rate.xx, &rate.yy, &rate.zz, &rate.xy, &rate.yz, &rate.zx, &gradient.spin.x,
-                 &gradient.spin.y, &gradient.spin.z})
-      *c = uniform(-1e8, 1e8);
+    for (T* c :
+         {&strain.xx, &strain.yy, &strain.zz, &strain.xy, &strain.yz, &strain.zx, &turn.x, &turn.y, &turn.z})
+      *c = uniform(-0.02, 0.02);
   }
   return cases;
 }
