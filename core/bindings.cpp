@@ -137,9 +137,10 @@ std::vector<double> elementary(const std::string& name, Doubles x, double n) {
   in.resize(x.size() + width, 1.0);
   for (std::size_t i = 0; i < x.size(); i += width) {
     const V v = Pack<V>::load(in.data() + i);
-    Pack<V>::store(out.data() + i, name == "log"   ? fast_log(v)
-                                   : name == "exp" ? fast_exp(v)
-                                                   : fast_pow(v, n));
+    Pack<V>::store(out.data() + i, name == "log"         ? fast_log(v)
+                                   : name == "rough_log" ? rough_log(v)
+                                   : name == "exp"       ? fast_exp(v)
+                                                         : fast_pow(v, n));
   }
   out.resize(x.size());
   return out;

@@ -22,23 +22,41 @@ struct Layout<float> {
   static constexpr float largest_exponent = 86;
 };
 
+// x = 2^e m with m in [sqrt(1/2), sqrt(2)).
 template <class V>
-PM_HD V fast_log(V x) {
+PM_HD void split_exponent(V x, V& e, V& m) {
   using T = number_t<V>;
   using Bits = typename Pack<V>::Bits;
   using L = Layout<T>;
-  // x = 2^e m with m in [sqrt(1/2), sqrt(2)); log m = 2 atanh(f), f = (m-1)/(m+1).
   const Bits bits = std::bit_cast<Bits>(raw(x));
   const Bits biased = (bits - L::root_half + L::one) >> L::mantissa;
-  const V e =
-      V(std::bit_cast<decltype(raw(x))>(biased | L::integers)) - V(std::bit_cast<T>(L::integers | L::bias));
-  const V m = V(std::bit_cast<decltype(raw(x))>(bits - (biased << L::mantissa) + L::one));
-  const V f = (m - T(1)) / (m + T(1)), z = f * f, z2 = z * z;
+  e = V(std::bit_cast<decltype(raw(x))>(biased | L::integers)) - V(std::bit_cast<T>(L::integers | L::bias));
+  m = V(std::bit_cast<decltype(raw(x))>(bits - (biased << L::mantissa) + L::one));
+}
+
+template <class V>
+PM_HD V fast_log(V x) {
+  using T = number_t<V>;
+  V e, m;
+  split_exponent(x, e, m);
+  const V f = (m - T(1)) / (m + T(1)), z = f * f, z2 = z * z;  // log m = 2 atanh(f)
   V series = (V(1.0 / 3) + z * T(1.0 / 5)) + z2 * (V(1.0 / 7) + z * T(1.0 / 9));
   if constexpr (sizeof(T) == 8)
     series += z2 * z2 *
               ((V(1.0 / 11) + z * T(1.0 / 13)) + z2 * (V(1.0 / 15) + z * (V(1.0 / 17) + z * T(1.0 / 19))));
   return e * T(0.6931471805599453) + T(2) * (f + f * z * series);
+}
+
+// Within 4e-6, without a division: for what an iteration starts from.
+template <class V>
+PM_HD V rough_log(V x) {
+  using T = number_t<V>;
+  V e, m;
+  split_exponent(x, e, m);
+  const V t = m - T(1), t2 = t * t;  // log m / t, interpolated at Chebyshev's points
+  const V series = (V(1.00000468) - t * T(0.49990362)) + t2 * (V(0.33256778) - t * T(0.25397832)) +
+                   t2 * t2 * (V(0.220703) - t * T(0.14338313));
+  return e * T(0.6931471805599453) + t * series;
 }
 
 // Results are cut at e^-690 and e^690 (single: e^-86, e^86).

@@ -74,7 +74,7 @@ struct JohnsonCook {
 
     const V excess = select(yields, trial - still, T(1e-6) * trial);
     const V most = excess * (T(1) / three_g),
-            x_most = fast_log(most);  // the root with neither rate nor hardening
+            x_most = rough_log(most);  // the root with neither rate nor hardening
     const V rated = soft * (V(1) + C * max(x_most - T(1) - x_slow, V(0)));
     const V tangent = three_g + select(most < strain, rated * n * power / max(strain, most), V(0));
     V d = min(start(excess, tangent, C * still, x_slow), most), x = fast_log(d);
@@ -103,7 +103,7 @@ struct JohnsonCook {
       found = select(open, refined, found);
       open = open && !(exact || near);
       if (!any(open)) break;
-      x = select(falls, V(x_slow), min(x + newton, x_most));
+      x = select(falls, V(x_slow), min(x + newton, x_most + T(1e-5)));
       d = fast_exp(x);
     }
     return {found, !open};
@@ -116,12 +116,12 @@ struct JohnsonCook {
   PM_HD V start(V excess, V tangent, V rate, T x_slow) const {
     rate = max(rate, T(1e-6) * excess);  // C, or the strength of a melt, may be zero
     const V scale = rate / tangent;
-    const V L = excess / rate + V(x_slow) - fast_log(scale);
-    const V above = max(L, V(1)), l = fast_log(above), below = min(L, V(1)) - T(1);
+    const V L = excess / rate + V(x_slow) - rough_log(scale);
+    const V above = max(L, V(1)), l = rough_log(above), below = min(L, V(1)) - T(1);
     V w = select(V(1) < L, above - l + l / above, V(1) + below * (T(0.5) + T(0.0625) * below));
     const auto small = L < V(-1);
     if (any(small)) w = select(small, fast_exp(L), w);
-    const V z = L - w - fast_log(w), w1 = V(1) + w;
+    const V z = L - w - rough_log(w), w1 = V(1) + w;
     const V q = T(2) * w1 * (w1 + T(2.0 / 3.0) * z);
     return scale * w * (V(1) + z / w1 * (q - z) / (q - T(2) * z));
   }
