@@ -189,7 +189,7 @@ PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
 template <class Shape, class V, class T>
 void gather_strain(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                    const Array<Quad<T>>& nodes, T dt, StrainColumns<T>& out) {
-  for_each_run(block, [&](const Run& run) {
+  for_each_run(block, [&](const Run& run) PM_INLINE {
     Patch<Shape, T> patch;
     patch.load(grid, run, nodes);
     patch.scale(T(0.5) * dt * grid.per_metre);
@@ -210,7 +210,7 @@ void gather_strain(const Particles<T>& points, const GridGeometry<T>& grid, cons
 // A nodal vector field at the points of a block; load(patch, run) fetches the nodes of a run.
 template <class Shape, class V, class T, class Load>
 void gather_values(const Particles<T>& points, const Block& block, Columns<T, 3>& out, Load&& load) {
-  for_each_run(block, [&](const Run& run) {
+  for_each_run(block, [&](const Run& run) PM_INLINE {
     Patch<Shape, T> patch;
     load(patch, run);
     const Interpolant<Shape, T> field(patch);

@@ -95,8 +95,8 @@ PM_HD void spread(T f, const Nodes<T>& face, Nodes<T> (&out)[NodeLanes<T>::parts
 }
 
 template <class T>
-void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                        Array<Quad<T>>& nodes) {
+PM_HD void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
+                              Array<Quad<T>>& nodes) {
   const auto y = AxisWeights<T>::slow(), z = AxisWeights<T>::fast();
   const T* mass = points.at(Field::mass);
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
@@ -136,8 +136,9 @@ PM_HD void add_slopes(const Nodes<T>& by_x, const Nodes<T>& by_y, const Nodes<T>
 #undef PM_PICK
 
 template <class T>
-void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                              const Columns<T, 6>& push, const Run& run, Array<Quad<T>>& nodes) {
+PM_HD void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>& grid,
+                                    const Block& block, const Columns<T, 6>& push, const Run& run,
+                                    Array<Quad<T>>& nodes) {
   const auto slow = AxisWeights<T>::slow(), fast = AxisWeights<T>::fast();
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
           *fz = points.at(Field::place, 2);
@@ -165,7 +166,7 @@ void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>&
 template <class Shape, class V, class T = number_t<V>>
 void scatter_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                       Array<Quad<T>>& nodes) {
-  for_each_run(block, [&](const Run& run) {
+  for_each_run(block, [&](const Run& run) PM_INLINE {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
       return add_momentum_lanes(points, grid, run, nodes);
@@ -176,7 +177,7 @@ void scatter_momentum(const Particles<T>& points, const GridGeometry<T>& grid, c
 template <class Shape, class V, class T = number_t<V>>
 void scatter_force(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
                    const Columns<T, 6>& push, Array<Quad<T>>& nodes) {
-  for_each_run(block, [&](const Run& run) {
+  for_each_run(block, [&](const Run& run) PM_INLINE {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
       return add_internal_force_lanes(points, grid, block, push, run, nodes);
