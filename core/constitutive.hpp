@@ -93,11 +93,16 @@ struct StressUpdate {
                          [&](const auto& s) PM_INLINE { return s.may_yield(trial2, point.temperature); });
   }
 
-  // Returns the increment of the effective plastic strain.
-  PM_HD V return_to_yield(PointState<V>& point, V reference_volume, Mask active, Tally<V>& tally) const {
-    const V trial = effective(point.deviator);
-    const auto back = material.strength.visit(
-        [&](const auto& s) { return s.return_map(trial, point.plastic_strain, point.temperature, step); });
+  // From a trial stress to the yield surface. P is V, or two of them: the iteration is one long chain.
+  template <class P>
+  PM_HD PlasticReturn<P> return_map(P trial, P plastic_strain, P temperature) const {
+    return material.strength.visit(
+        [&](const auto& s) { return s.return_map(trial, plastic_strain, temperature, step); });
+  }
+
+  // Takes a point back to the yield surface. Returns the increment of the effective plastic strain.
+  PM_HD V yield(PointState<V>& point, V trial, const PlasticReturn<V>& back, V reference_volume, Mask active,
+                Tally<V>& tally) const {
     const V increment = back.strain_increment;
     const auto yields = active && V(0) < increment;
     tally.count(Counter::return_failures, active && !back.converged);

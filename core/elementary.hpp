@@ -81,6 +81,19 @@ PM_HD V fast_exp(V x) {
   return (a + r4 * b) * V(std::bit_cast<decltype(raw(x))>(power));
 }
 
+template <class V>
+PM_HD Twice<V> fast_log(Twice<V> x) {
+  return {fast_log(x.a), fast_log(x.b)};
+}
+template <class V>
+PM_HD Twice<V> rough_log(Twice<V> x) {
+  return {rough_log(x.a), rough_log(x.b)};
+}
+template <class V>
+PM_HD Twice<V> fast_exp(Twice<V> x) {
+  return {fast_exp(x.a), fast_exp(x.b)};
+}
+
 // x^n for x >= 0, n > 0.
 template <class V>
 PM_HD V fast_pow(V x, number_t<V> n) {

@@ -42,6 +42,11 @@ struct PackList {
   PM_HD void for_each(F&& f) const {
     for (int i = 0; i < count; ++i) f(entries[i].p, entries[i].n);
   }
+  // f(entry, entry); a last one without a partner comes twice.
+  template <class F>
+  PM_HD void for_each_two(F&& f) const {
+    for (int i = 0; i < count; i += 2) f(entries[i], entries[std::min(i + 1, count - 1)]);
+  }
 };
 
 // Stress, damage, heat (3) from the velocity gradient at the points, and what they then push their nodes
@@ -66,13 +71,22 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
       points.store_strained(p, point, n);
       if (yields) may_yield.add(p, n);
     });
-    may_yield.for_each([&](std::size_t p, int n) PM_INLINE {
-      auto point = points.template state<V>(p, n);
-      const V increment = update.return_to_yield(point, reference_volume(p, n), first_lanes<V>(n), tally);
+    const auto take_back = [&](std::size_t p, int n, PointState<V>& point, V trial,
+                               const PlasticReturn<V>& back) {
+      const V increment = update.yield(point, trial, back, reference_volume(p, n), first_lanes<V>(n), tally);
       if (!any(V(0) < increment)) return;
       points.store_returned(p, point, n);
       plastic.store(0, p - block.begin, increment, n);
       yield.add(p, n);
+    };
+    may_yield.for_each_two([&](PackList::Entry one, PackList::Entry two) PM_INLINE {
+      auto a = points.template state<V>(one.p, one.n), b = points.template state<V>(two.p, two.n);
+      const Twice<V> trial{effective(a.deviator), effective(b.deviator)};
+      const auto back = update.return_map(trial, Twice<V>{a.plastic_strain, b.plastic_strain},
+                                          Twice<V>{a.temperature, b.temperature});
+      const auto& [increment, converged] = back;
+      take_back(one.p, one.n, a, trial.a, {increment.a, converged.a});
+      if (two.p != one.p) take_back(two.p, two.n, b, trial.b, {increment.b, converged.b});
     });
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       points.prefetch(p, Field::velocity, Field::mass, Field::pressure, Field::viscosity,

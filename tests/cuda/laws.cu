@@ -58,8 +58,11 @@ PM_HD Result<T> updated(const Material<T>& material, Case<T> given) {
   Tally<T> tally;
   T increment = 0;
   const Strain<T> strain(given.strain, given.half_turn);
-  if (update.strain(point, strain, true, tally))
-    increment = update.return_to_yield(point, volume, true, tally);
+  if (update.strain(point, strain, true, tally)) {
+    const T trial = effective(point.deviator);
+    const auto back = update.return_map(trial, point.plastic_strain, point.temperature);
+    increment = update.yield(point, trial, back, volume, true, tally);
+  }
   const T c2 = update.press(point, strain.small, volume, true, tally);
   if (increment > T(0)) update.damage(point, increment, strain.small, true, tally);
   const T t = point.temperature / T(775);
