@@ -42,10 +42,12 @@ struct PackList {
   PM_HD void for_each(F&& f) const {
     for (int i = 0; i < count; ++i) f(entries[i].p, entries[i].n);
   }
-  // f(entry, entry); a last one without a partner comes twice.
-  template <class F>
-  PM_HD void for_each_two(F&& f) const {
-    for (int i = 0; i < count; i += 2) f(entries[i], entries[std::min(i + 1, count - 1)]);
+  // two(entry, entry), and one(first point, number of points) for a last one without a partner.
+  template <class F, class G>
+  PM_HD void for_each_two(F&& two, G&& one) const {
+    int i = 0;
+    for (; i + 1 < count; i += 2) two(entries[i], entries[i + 1]);
+    if (i < count) one(entries[i].p, entries[i].n);
   }
 };
 
@@ -79,15 +81,24 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
       plastic.store(0, p - block.begin, increment, n);
       yield.add(p, n);
     };
-    may_yield.for_each_two([&](PackList::Entry one, PackList::Entry two) PM_INLINE {
+    const auto take_one_back = [&](std::size_t p, int n) PM_INLINE {
+      auto a = points.template state<V>(p, n);
+      const V trial = effective(a.deviator);
+      take_back(p, n, a, trial, update.return_map(trial, a.plastic_strain, a.temperature));
+    };
+    const auto take_two_back = [&](PackList::Entry one, PackList::Entry two) PM_INLINE {
       auto a = points.template state<V>(one.p, one.n), b = points.template state<V>(two.p, two.n);
       const Twice<V> trial{effective(a.deviator), effective(b.deviator)};
-      const auto back = update.return_map(trial, Twice<V>{a.plastic_strain, b.plastic_strain},
-                                          Twice<V>{a.temperature, b.temperature});
-      const auto& [increment, converged] = back;
+      const auto [increment, converged] = update.return_map(
+          trial, Twice<V>{a.plastic_strain, b.plastic_strain}, Twice<V>{a.temperature, b.temperature});
       take_back(one.p, one.n, a, trial.a, {increment.a, converged.a});
-      if (two.p != one.p) take_back(two.p, two.n, b, trial.b, {increment.b, converged.b});
-    });
+      take_back(two.p, two.n, b, trial.b, {increment.b, converged.b});
+    };
+    // The reference takes its points one by one; packs go in pairs.
+    if constexpr (Pack<V>::width == 1)
+      may_yield.for_each(take_one_back);
+    else
+      may_yield.for_each_two(take_two_back, take_one_back);
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       points.prefetch(p, Field::velocity, Field::mass, Field::pressure, Field::viscosity,
                       Field::plastic_strain, Field::temperature, Field::damage);
