@@ -51,8 +51,47 @@ struct PackList {
   }
 };
 
-// Stress, damage, heat (3) from the velocity gradient at the points, and what they then push their nodes
-// with.
+template <class V, class T>
+PM_HD V reference_volume(const Particles<T>& points, const Material<T>& material, std::size_t p, int n) {
+  return points.template load<V>(Field::mass, p, n) * material.specific_volume;
+}
+
+// The second stage: of the packs that may yield, those that do, with the increments of their plastic strain.
+template <class V, class T>
+PM_HD PackList return_to_yield(Particles<T>& points, const Block& block, const StressUpdate<V>& update,
+                               const PackList& may_yield, Columns<T, 1>& plastic, Tally<V>& tally) {
+  PackList yield;
+  const auto take_back = [&](std::size_t p, int n, PointState<V>& point, V trial,
+                             const PlasticReturn<V>& back) {
+    const V volume = reference_volume<V>(points, update.material, p, n);
+    const V increment = update.yield(point, trial, back, volume, first_lanes<V>(n), tally);
+    if (!any(V(0) < increment)) return;
+    points.store_returned(p, point, n);
+    plastic.store(0, p - block.begin, increment, n);
+    yield.add(p, n);
+  };
+  const auto one = [&](std::size_t p, int n) PM_INLINE {
+    auto point = points.template state<V>(p, n);
+    const V trial = effective(point.deviator);
+    take_back(p, n, point, trial, update.return_map(trial, point.plastic_strain, point.temperature));
+  };
+  const auto two = [&](PackList::Entry first, PackList::Entry second) PM_INLINE {
+    auto a = points.template state<V>(first.p, first.n), b = points.template state<V>(second.p, second.n);
+    const Twice<V> trial{effective(a.deviator), effective(b.deviator)};
+    const auto [increment, converged] = update.return_map(trial, Twice<V>{a.plastic_strain, b.plastic_strain},
+                                                          Twice<V>{a.temperature, b.temperature});
+    take_back(first.p, first.n, a, trial.a, {increment.a, converged.a});
+    take_back(second.p, second.n, b, trial.b, {increment.b, converged.b});
+  };
+  // The reference takes its points one by one; packs go in pairs.
+  if constexpr (Pack<V>::width == 1)
+    may_yield.for_each(one);
+  else
+    may_yield.for_each_two(two, one);
+  return yield;
+}
+
+// Stress, damage, heat (3) from the strain of the points, and what they then push their nodes with.
 template <class V, class T = number_t<V>>
 void update_stress(Particles<T>& points, const std::vector<Material<T>>& materials, T cell,
                    const Block& block, const StrainColumns<T>& strains, const StressStep<T>& step,
@@ -61,10 +100,7 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     const StressUpdate<V> update{material, cell, step.dt, step.step, step.old_share, step.new_share};
     auto tally = audit.tally<V>();
-    PackList may_yield, yield;
-    const auto reference_volume = [&](std::size_t p, int n) PM_INLINE {
-      return points.template load<V>(Field::mass, p, n) * material.specific_volume;
-    };
+    PackList may_yield;
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       points.prefetch(p, Field::dilation, Field::energy, Field::deviator);
       auto point = points.template state<V>(p, n);
@@ -73,38 +109,13 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
       points.store_strained(p, point, n);
       if (yields) may_yield.add(p, n);
     });
-    const auto take_back = [&](std::size_t p, int n, PointState<V>& point, V trial,
-                               const PlasticReturn<V>& back) {
-      const V increment = update.yield(point, trial, back, reference_volume(p, n), first_lanes<V>(n), tally);
-      if (!any(V(0) < increment)) return;
-      points.store_returned(p, point, n);
-      plastic.store(0, p - block.begin, increment, n);
-      yield.add(p, n);
-    };
-    const auto take_one_back = [&](std::size_t p, int n) PM_INLINE {
-      auto a = points.template state<V>(p, n);
-      const V trial = effective(a.deviator);
-      take_back(p, n, a, trial, update.return_map(trial, a.plastic_strain, a.temperature));
-    };
-    const auto take_two_back = [&](PackList::Entry one, PackList::Entry two) PM_INLINE {
-      auto a = points.template state<V>(one.p, one.n), b = points.template state<V>(two.p, two.n);
-      const Twice<V> trial{effective(a.deviator), effective(b.deviator)};
-      const auto [increment, converged] = update.return_map(
-          trial, Twice<V>{a.plastic_strain, b.plastic_strain}, Twice<V>{a.temperature, b.temperature});
-      take_back(one.p, one.n, a, trial.a, {increment.a, converged.a});
-      take_back(two.p, two.n, b, trial.b, {increment.b, converged.b});
-    };
-    // The reference takes its points one by one; packs go in pairs.
-    if constexpr (Pack<V>::width == 1)
-      may_yield.for_each(take_one_back);
-    else
-      may_yield.for_each_two(take_two_back, take_one_back);
+    const auto yield = return_to_yield(points, block, update, may_yield, plastic, tally);
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       points.prefetch(p, Field::velocity, Field::mass, Field::pressure, Field::viscosity,
                       Field::plastic_strain, Field::temperature, Field::damage);
       auto point = points.template state<V>(p, n);
       const auto strain = load_strain<V>(strains, p - block.begin);
-      const V volume = reference_volume(p, n);
+      const V volume = reference_volume<V>(points, material, p, n);
       const V c2 = update.press(point, strain.small, volume, first_lanes<V>(n), tally);
       const auto v = points.template vector<V>(Field::velocity, p, n);
       tally.note_speed(first_lanes<V>(n), c2, dot(v, v));
@@ -117,7 +128,7 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
       const V increment = plastic.template load<V>(0, p - block.begin);
       update.damage(point, increment, strain.small, first_lanes<V>(n), tally);
       points.store(p, point, n);
-      store_push(push, p - block.begin, point, reference_volume(p, n), n);
+      store_push(push, p - block.begin, point, reference_volume<V>(points, material, p, n), n);
     });
     audit.absorb(tally);
   });
@@ -129,8 +140,8 @@ void push_of_stress(const Particles<T>& points, const std::vector<Material<T>>& 
                     Columns<T, 6>& push) {
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-      const V volume = points.template load<V>(Field::mass, p, n) * material.specific_volume;
-      store_push(push, p - block.begin, points.template state<V>(p, n), volume, n);
+      store_push(push, p - block.begin, points.template state<V>(p, n),
+                 reference_volume<V>(points, material, p, n), n);
     });
   });
 }
