@@ -4,9 +4,12 @@ import importlib
 import os
 import sys
 
-# A thread that waits for the others sleeps. Spinning, as OpenMP does unless told, takes the core from the thread that is
-# waited for wherever something else runs too: ten times slower on a busy machine. Read when the library is loaded.
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# A thread that waits for the others looks again for some microseconds and then sleeps. Spinning for longer, as OpenMP does
+# unless told, takes the core from the thread that is waited for wherever something else runs too: ten times slower on a
+# busy machine. Read when the library is loaded; GOMP_SPINCOUNT is GCC's.
+if "OMP_WAIT_POLICY" not in os.environ:
+    os.environ["OMP_WAIT_POLICY"] = "passive"
+    os.environ.setdefault("GOMP_SPINCOUNT", "1000")
 
 from . import _core_scalar
 
