@@ -116,7 +116,10 @@ def bench(
 ) -> None:
     """How fast the step is here: a fixed impact with the full physics, phase by phase."""
     scene = bench_scene(points, (f"numerics.precision={precision}", *(overrides or ())))
-    result = run_bench(scene, thread_count(threads))
+    try:
+        result = run_bench(scene, thread_count(threads))
+    except RuntimeError as error:
+        raise PockmarkError(f"bench: the run failed: {error}") from error
     if as_json:
         print(to_json(result))
         return

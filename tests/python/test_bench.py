@@ -26,6 +26,20 @@ def test_bench_prints_figures_that_hang_together():
     assert set(result["phases"]) >= {"clear", "p2g", "boundary", "stress", "momentum", "g2p", "move", "sort"}
 
 
+def test_a_scheme_that_blows_up_is_told_in_a_sentence():
+    command = [sys.executable, "-m", "pockmark", "bench", "--points", "5000", "--threads", "1"]
+    done = subprocess.run(
+        [*command, "--set", "numerics.scheme=usl", "--set", "impact.speed=11 km/s"],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 2
+    assert (
+        done.stderr
+        == "pockmark: bench: the run failed: the time step fell to a thousandth of the first one\n"
+    )
+
+
 @pytest.mark.skipif(not core.build_info()["lanes"], reason="this core has one driver only")
 @pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
 @pytest.mark.parametrize("scheme", ["usf", "musl", "usavg"])
