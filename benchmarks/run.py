@@ -37,6 +37,7 @@ CASES: dict[str, tuple[str, list[str]]] = {  # instruction set, arguments
     "usavg, AVX2": ("avx2", []),
     "usavg, plain x86-64": ("scalar", []),
     "musl": ("", MUSL),
+    "usl, cut-off .01": ("", [*USL, "--set", "numerics.mass_cutoff=0.01"]),  # without one it blows up here
     "usf, quadratic": ("", [*USF, *QUADRATIC]),
     "usavg, quadratic": ("", QUADRATIC),
 }
