@@ -12,10 +12,14 @@ struct MieGruneisen {
   T density, c0, s, gamma0;
 
   MieGruneisen() = default;
-  MieGruneisen(T density_, T c0_, T s_, T gamma0_) : density(density_), c0(c0_), s(s_), gamma0(gamma0_) {}
+  MieGruneisen(T density_, T c0_, T s_, T gamma0_) : density(density_), c0(c0_), s(s_), gamma0(gamma0_) {
+    // mu at 0.95 of the pole: p_H is 5000 times the bulk modulus there.
+    const T most = s > T(1) ? T(0.95) / (s - T(1)) : T(20);
+    eta_cap_ = most / (T(1) + most);
+  }
   template <class U>
   explicit MieGruneisen(const MieGruneisen<U>& o)
-      : density(T(o.density)), c0(T(o.c0)), s(T(o.s)), gamma0(T(o.gamma0)) {}
+      : MieGruneisen(T(o.density), T(o.c0), T(o.s), T(o.gamma0)) {}
 
   std::string check() const {
     if (!(density > 0 && c0 > 0 && gamma0 >= 0 && s >= 0)) return "density, c0 must be > 0; s, gamma0 >= 0";
@@ -36,11 +40,9 @@ struct MieGruneisen {
   // Eq. 19, makes gamma mu = gamma0 eta.
   template <class V>
   PM_HD Isochore<V> shocked(V eta, V ratio) const {
-    // mu at 0.95 of the pole: p_H is 5000 times the bulk modulus there.
-    const T most = s > T(1) ? T(0.95) / (s - T(1)) : T(20), cap = most / (T(1) + most);
-    const auto capped = V(cap) < eta;
-    eta = select(capped, V(cap), eta);
-    ratio = select(capped, V(T(1) / (T(1) + most)), ratio);
+    const auto capped = V(eta_cap_) < eta;
+    eta = select(capped, V(eta_cap_), eta);
+    ratio = select(capped, V(T(1) - eta_cap_), ratio);
     const V d = V(1) / (V(1) - s * eta), kd2 = bulk_modulus() * d * d;
     const V hugoniot = kd2 * eta, hugoniot_slope = kd2 * d * (V(1) + s * eta);  // this one by eta
     const T half_gamma = T(0.5) * gamma0;
@@ -56,6 +58,8 @@ struct MieGruneisen {
     return {k * mu * (V(1) - T(0.5) * gamma0 * mu), gamma0 * (V(1) + mu), k * (V(1) - gamma0 * mu),
             V(gamma0)};
   }
+
+  T eta_cap_;  // kept: its divisions would be done for every pack
 };
 
 }  // namespace pockmark
