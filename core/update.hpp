@@ -175,7 +175,7 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
   return sum_of(taken);
 }
 
-// Moves the stress of the points through a strain of duration dt (see follow_strain).
+// Moves the stress of the points through a strain (see follow_strain).
 template <class V, class T = number_t<V>>
 void strain_points(Particles<T>& points, const std::vector<Material<T>>& materials, const Block& block,
                    const StrainColumns<T>& strains) {

@@ -119,7 +119,7 @@ def bench(
     try:
         result = run_bench(scene, thread_count(threads))
     except RuntimeError as error:
-        raise PockmarkError(f"bench: the run failed: {error}") from error
+        raise PockmarkError(f"bench: the run failed: {error}") from None
     if as_json:
         print(to_json(result))
         return
