@@ -19,6 +19,7 @@ from .report import report
 from .run import measure_run, plot_run, run_scene
 from .scene import Scene
 from .simulation import thread_count
+from .stop import heard_between_steps
 from .store import to_json
 from .study import make_report, run_study, summary, write_results
 
@@ -58,10 +59,14 @@ def run(
     if not quiet:
         expected = forecast(loaded, thread_count(threads))
         console.print(f"{expected.points:,} points, {expected.cells:,} cells, about {expected.steps:,} steps")
-    folder, finished = run_scene(loaded, path, threads=thread_count(threads), force=force, progress=not quiet)
-    console.print(report(measure_run(folder.path)))
-    for picture in plot_run(folder.path):
-        console.print(f"wrote {picture}")
+    # What Ctrl-C leaves of the run is measured and drawn, however often it is pressed.
+    with heard_between_steps():
+        folder, finished = run_scene(
+            loaded, path, threads=thread_count(threads), force=force, progress=not quiet
+        )
+        console.print(report(measure_run(folder.path)))
+        for picture in plot_run(folder.path):
+            console.print(f"wrote {picture}")
     if not finished:
         console.print("[yellow]interrupted: what was computed is kept[/yellow]")
         raise typer.Exit(130)
@@ -192,9 +197,6 @@ def main() -> None:
     except PockmarkError as error:
         print(f"pockmark: {error}", file=sys.stderr)
         sys.exit(2)
-    except KeyboardInterrupt:
-        print("pockmark: interrupted", file=sys.stderr)
-        sys.exit(130)
     except BrokenPipeError:  # the reader of our output has gone
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)

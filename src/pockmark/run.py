@@ -39,12 +39,13 @@ def run_scene(
     scene: Scene, path: str | Path, *, threads: int | None = None, force: bool = False, progress: bool = True
 ) -> tuple[RunFolder, bool]:
     """Run a scene into a folder. Returns the folder and whether the run was finished (not interrupted)."""
-    simulation = Simulation(scene, threads)
-    folder = RunFolder.create(path, scene, force=force)
-    started = now()
-    tasks: list[Task] = [History(folder, scene.output.history), Snapshots(folder, scene.output.snapshots)]
-    status = "failed"
     with heard_between_steps() as stop_if_asked:
+        simulation = Simulation(scene, threads)
+        stop_if_asked()  # before `force` replaces a run
+        folder = RunFolder.create(path, scene, force=force)
+        started = now()
+        tasks: list[Task] = [History(folder, scene.output.history), Snapshots(folder, scene.output.snapshots)]
+        status = "failed"
         bar = ProgressBar(simulation) if progress else None
 
         def watch(simulation: Simulation) -> None:

@@ -7,29 +7,35 @@ from contextlib import contextmanager
 from types import FrameType
 
 
+class _Note:
+    """A signal handler that only notes that it was called."""
+
+    asked = False
+
+    def __call__(self, _number: int, _frame: FrameType | None) -> None:
+        self.asked = True
+
+    def stop_if_asked(self) -> None:
+        if self.asked:
+            raise KeyboardInterrupt
+
+
 @contextmanager
 def heard_between_steps() -> Iterator[Callable[[], None]]:
     """Within, Ctrl-C and SIGTERM are only noted, however many; the function that is given raises KeyboardInterrupt then.
 
-    So no file is torn, and an impatient second Ctrl-C does not lose what the first one keeps.
+    So no file is torn, and an impatient second Ctrl-C does not lose what the first one keeps. One within another shares
+    what the outer one has noted.
     """
-    asked = False
-
-    def note(_number: int, _frame: FrameType | None) -> None:
-        nonlocal asked
-        asked = True
-
-    def stop_if_asked() -> None:
-        if asked:
-            raise KeyboardInterrupt
-
+    outer = signal.getsignal(signal.SIGINT)
+    note = outer if isinstance(outer, _Note) else _Note()
     old = {}
     if threading.current_thread() is threading.main_thread():  # no other may set handlers
         for number in (signal.SIGINT, signal.SIGTERM):
             if signal.getsignal(number) not in (signal.SIG_IGN, None):  # as under nohup; not Python's
                 old[number] = signal.signal(number, note)
     try:
-        yield stop_if_asked
+        yield note.stop_if_asked
     finally:
         for number, handler in old.items():
             signal.signal(number, handler)

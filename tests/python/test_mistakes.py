@@ -210,6 +210,74 @@ def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
     assert 0 < measure(folder)["run"]["time"] < 10e-6
 
 
+PRESSES_CTRL_C_ALL_THE_WAY = """
+import os, signal, sys
+from pockmark import cli, simulation
+from pockmark.__main__ import main
+def pressing(name, module=cli):
+    function = getattr(module, name)
+    def press(*args, **kwargs):
+        os.kill(os.getpid(), signal.SIGINT)
+        return function(*args, **kwargs)
+    setattr(module, name, press)
+pressing("measure_run")
+pressing("plot_run")
+run = simulation.Simulation.run
+def press(self, tasks, watch):
+    def watch_and_press(simulation):
+        if simulation.steps > 4:
+            os.kill(os.getpid(), signal.SIGINT)
+        watch(simulation)
+    run(self, tasks, watch=watch_and_press)
+simulation.Simulation.run = press
+main()
+"""
+
+
+def test_ctrl_c_while_an_interrupted_run_is_measured_and_drawn_loses_nothing(tmp_path):
+    folder = tmp_path / "run"
+    run = subprocess.run(
+        [sys.executable, "-c", PRESSES_CTRL_C_ALL_THE_WAY, "run", QUICK, "-o", folder, "--quiet"],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert run.stderr == ""
+    assert run.returncode == 130
+    assert "interrupted: what was computed is kept" in run.stdout
+    assert {"crater.png", "history.png"} <= {p.name for p in folder.iterdir()}
+
+
+PRESSES_CTRL_C_WHILE_THE_POINTS_ARE_LAID = """
+import os, signal
+from pockmark import run
+from pockmark.__main__ import main
+made = run.Simulation
+def press(*args):
+    os.kill(os.getpid(), signal.SIGINT)
+    return made(*args)
+run.Simulation = press
+main()
+"""
+
+
+def test_ctrl_c_before_the_first_step_keeps_the_run_that_force_would_replace(tmp_path):
+    kept, _ = run_scene(Scene.load(QUICK, ["end_time='4 ns'"]), tmp_path / "run", threads=1, progress=False)
+    run = subprocess.run(
+        [
+            *(sys.executable, "-c", PRESSES_CTRL_C_WHILE_THE_POINTS_ARE_LAID),
+            *("run", QUICK, "-o", kept.path, "--force", "--quiet"),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )
+    assert (run.returncode, run.stderr) == (130, "")
+    assert kept.manifest()["status"] == "finished"
+
+
 PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED = """
 import os, signal, sys
 class Finder:
