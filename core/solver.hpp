@@ -252,7 +252,7 @@ class Solver {
     timers_.time("absorbed", [&] { account_for_absorbed(remaps() ? grid_.remapped : grid_.after); });
     if (!first)
       timers_.time("stress", [&] { stress_and_forces<K>(remaps() ? &grid_.remapped : &grid_.after, false); });
-    if (scheme != Scheme::usf) timers_.time("move", [&] { move<K>(); });
+    scheme == Scheme::usf ? take_over() : timers_.time("move", [&] { move<K>(); });
     timers_.time("sort", [&] { arrange<K>(); });
     time_ = next_time_;  // (7)
     ++cycle_;
@@ -286,7 +286,7 @@ class Solver {
     tiles_.for_each_line(grid_.geometry, threads_, true, [&](int, std::size_t begin, std::size_t end) {
       if (!mapped_) zero(grid_.before, begin, end);
       zero(grid_.after, begin, end);
-      if (remaps()) zero(grid_.remapped, begin, end);
+      zero(grid_.remapped, begin, end);
     });
     tiles_.forget_stale();
   }
@@ -413,8 +413,8 @@ class Solver {
     if (contact_) contact_energy_ += contact_->taken(grid_, final);
   }
 
-  // Velocities; positions too where nothing between the two needs the old ones: one pass does the work of
-  // two.
+  // Velocities; positions too where nothing between the two needs the old ones, and then the points' momentum
+  // for the next step, to the array that is free: one pass does the work of three.
   template <class K>
   void map_to_points(bool moves) {
     std::vector<double> taken(tiles_.count());
@@ -425,13 +425,20 @@ class Solver {
       if (remaps()) add_to_grid<K>(block, grid_.remapped);
       return moves && move_block<K>(tile, block);
     };
-    moves ? regroup<K>(work, [](int, const Block&) {}) : tiles_.scatter(threads_, work);
+    const auto map_ahead = [&](int, const Block& block) { add_to_grid<K>(block, grid_.remapped); };
+    moves ? regroup<K>(work, map_ahead) : tiles_.scatter(threads_, work);
     for (double t : taken) pic_energy_ += t;
     if (!remaps()) return;
     fold(grid_.geometry, faces_, grid_.remapped, Mirrored::vector);
     momentum_to_velocity(grid_.remapped);
     constrain(grid_.geometry, faces_, grid_.remapped);
     if (contact_) fit(grid_.remapped);
+  }
+
+  // The momentum that USF has mapped ahead.
+  void take_over() {
+    std::swap(grid_.before, grid_.remapped);
+    mapped_ = true;
   }
 
   // Maps the points to the grid for the next step as well, while they are in the cache.

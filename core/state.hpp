@@ -181,7 +181,7 @@ struct Grid {
   Array<Quad<T>> before;    // momentum, then velocity, before the forces act; mass
   Array<Quad<T>> after;     // internal force, then velocity after it acted
   Array<Quad<T>> damping;   // transmitting faces: sum of rho c A, an entry a direction (kg/s)
-  Array<Quad<T>> remapped;  // the points' new velocity mapped back (MUSL, USAVG)
+  Array<Quad<T>> remapped;  // MUSL, USAVG: the points' new velocity mapped back; USF: their next momentum
 
   T mass(std::size_t node) const { return before[node].v[3]; }
   void allocate(const GridGeometry<T>& g) {

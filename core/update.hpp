@@ -163,7 +163,7 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
     });
   V taken = V(0);
   for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
-    points.prefetch(p, Field::place, Field::velocity);
+    points.prefetch(p, Field::place, Field::velocity, Field::mass);
     const auto flip =
         points.template vector<V>(Field::velocity, p, n) + change.template vector<V>(p - block.begin);
     if (!(pic > T(0))) return points.set_vector(Field::velocity, p, flip, n);
@@ -182,7 +182,7 @@ void strain_points(Particles<T>& points, const std::vector<Material<T>>& materia
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       points.prefetch(p, Field::dilation, Field::energy, Field::deviator, Field::pressure, Field::viscosity,
-                      Field::damage);
+                      Field::damage, Field::velocity, Field::mass);
       auto point = points.template state<V>(p, n);
       const auto strain = load_strain<V>(strains, p - block.begin);
       follow_strain(material, point, strain);

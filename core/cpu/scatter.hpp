@@ -103,7 +103,6 @@ PM_HD void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>&
           *fz = points.at(Field::place, 2);
   const T *vx = points.at(Field::velocity, 0), *vy = points.at(Field::velocity, 1),
           *vz = points.at(Field::velocity, 2);
-  points.prefetch(run.begin, Field::place, Field::velocity, Field::mass);
   constexpr int parts = NodeLanes<T>::parts;
   Nodes<T> sum[4][parts]{}, weight[parts];
   std::size_t p = run.begin;

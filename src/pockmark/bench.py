@@ -127,17 +127,16 @@ def traffic_per_point(scene: Scene, sorts_per_step: float) -> dict[str, float]:
     move = 2 * of("position")
     if scheme == "usavg":
         move += of(*strained, "pressure", "viscosity", "damage") + of(*strained)
-    remaps = scheme in ("musl", "usavg")
+    maps = scheme != "usl"  # momentum, the new one or that for the next step, in the pass that updates velocities
     traffic: dict[str, float] = {
-        "p2g": of("position", "velocity", "mass"),
+        "p2g": of("position", "velocity", "mass") * min(sorts_per_step, 1.0),  # a sort undoes what was mapped
         "stress": stress if first else stress + loaded + of("position"),
-        "g2p": of("position") + 2 * of("velocity") + (width["mass"] if remaps else 0),
+        "g2p": of("position") + 2 * of("velocity") + (width["mass"] if maps else 0),
         "move": move,
         "sort": 2 * sum(width.values()) * sorts_per_step,
     }
     if scheme == "usf":  # one pass does both
         traffic["g2p"] += traffic.pop("move") - of("position")
-    else:  # the pass that moves the points maps them for the next step, unless they are sorted in between
+    else:
         traffic["move"] += of("velocity", "mass")
-        traffic["p2g"] *= min(sorts_per_step, 1.0)
     return {phase: float(bytes_) for phase, bytes_ in traffic.items()}
