@@ -43,7 +43,8 @@ struct JohnsonCookFailure {
         treatment(treatment_),
         floor(floor_),
         triaxiality_min(triaxiality_min_),
-        triaxiality_max(triaxiality_max_) {}
+        triaxiality_max(triaxiality_max_),
+        per_kelvin_(T(1) / (t_melt_ - t_room_)) {}
   template <class U>
   explicit JohnsonCookFailure(const JohnsonCookFailure<U>& o)
       : JohnsonCookFailure(T(o.D1), T(o.D2), T(o.D3), T(o.D4), T(o.D5), T(o.reference_rate), T(o.t_room),
@@ -61,7 +62,7 @@ struct JohnsonCookFailure {
 
   template <class V>
   PM_HD V failure_strain(V triaxiality, V rate, V temperature) const {
-    const V hot = min(max((temperature - t_room) * (T(1) / (t_melt - t_room)), V(0)), V(1));
+    const V hot = min(max((temperature - t_room) * per_kelvin_, V(0)), V(1));
     V strain = (D1 + D2 * fast_exp(D3 * triaxiality)) * (V(1) + D5 * hot);
     if (D4 != T(0)) strain *= V(1) + D4 * fast_log(max(rate * (T(1) / reference_rate), V(1)));
     return strain;
@@ -85,6 +86,9 @@ struct JohnsonCookFailure {
     const auto counts = treatment == FailureTreatment::signed_damage ? positive || negative : positive;
     return {select(counts, strain_increment / select(counts, strain, V(1)), V(0)), treated || !positive};
   }
+
+ private:
+  T per_kelvin_;
 };
 
 template <class T>

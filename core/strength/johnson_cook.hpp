@@ -30,7 +30,8 @@ struct JohnsonCook {
         m(m_),
         reference_rate(reference_rate_),
         t_room(t_room_),
-        t_melt(t_melt_) {}
+        t_melt(t_melt_),
+        per_kelvin_(T(1) / (t_melt_ - t_room_)) {}
   template <class U>
   explicit JohnsonCook(const JohnsonCook<U>& o)
       : JohnsonCook(T(o.shear_modulus), T(o.A), T(o.B), T(o.n), T(o.C), T(o.m), T(o.reference_rate),
@@ -45,7 +46,7 @@ struct JohnsonCook {
 
   template <class V>
   PM_HD V softening(V temperature) const {
-    const V star = min(max((temperature - t_room) * (T(1) / (t_melt - t_room)), V(0)), V(1));
+    const V star = min(max((temperature - t_room) * per_kelvin_, V(0)), V(1));
     return V(1) - (m == T(1) ? star : fast_pow(star, m));
   }
   PM_HD T flow_stress(T strain, T rate, T temperature) const {
@@ -125,6 +126,8 @@ struct JohnsonCook {
     const V q = T(2) * w1 * (w1 + T(2.0 / 3.0) * z);
     return scale * w * (V(1) + z / w1 * (q - z) / (q - T(2) * z));
   }
+
+  T per_kelvin_;  // kept: the division would be done for every pack
 };
 
 }  // namespace pockmark
