@@ -310,15 +310,18 @@ class Solver {
     if (!refresh_damping_) return;
     refresh_damping_ = false;
     std::fill(grid_.damping.begin(), grid_.damping.end(), Quad<T>{});
-    tiles_.visit(1, [&](int, const Block& block) {
+    tiles_.scatter_all(threads_, [&](int, const Block& block) {
       for_each_run(block, [&](const Run& run) {
         add_damping<typename K::Shape>(points_, grid_, faces_, run, dampers_);
       });
     });
     fold(grid_.geometry, faces_, grid_.damping, Mirrored::magnitudes);
-    damped_.clear();
-    for (std::size_t node = 0; node < grid_.damping.size(); ++node)
+    damped_.clear(), damped_row_.clear();
+    const std::size_t row = grid_.geometry.nodes(2);
+    for (std::size_t node = 0; node < grid_.damping.size(); ++node) {
+      if (node % row == 0) damped_row_.push_back(damped_.size());
       if (dot(grid_.damping[node].vector(), grid_.damping[node].vector()) > T(0)) damped_.push_back(node);
+    }
   }
 
   void momentum_to_velocity(Array<Quad<T>>& field) {
@@ -362,27 +365,32 @@ class Solver {
     audit_.absorb(extremes_);
   }
 
+  // Where damped_ has its first node from this one on.
+  std::size_t first_damped(std::size_t node) const {
+    std::size_t i = damped_row_[node / grid_.geometry.nodes(2)];
+    while (i < damped_.size() && damped_[i] < node) ++i;
+    return i;
+  }
+
   void integrate_momentum() {
-    const Quad<T> undamped{};
-    const auto integrate = [&](std::size_t node, const Quad<T>& damping) {
-      return integrate_node(grid_.before[node], grid_.after[node], damping, T(dt_), cutoff_);
-    };
-    // Few nodes are damped: they go first, as the force is overwritten by the velocity, and have the last
-    // word.
-    damped_after_.clear();
-    for (const std::size_t node : damped_)
-      damped_after_.push_back(integrate(node, grid_.damping[node]).velocity);
+    damped_after_.assign(damped_.size(), {});
     std::vector<std::int64_t> cut(tiles_.count());
     tiles_.for_each_line(grid_.geometry, threads_, false, [&](int tile, std::size_t begin, std::size_t end) {
+      std::size_t next = first_damped(begin);
+      std::int64_t light = 0;
       for (std::size_t node = begin; node < end; ++node) {
+        const bool damped = next < damped_.size() && damped_[next] == node;
+        const std::size_t place = next;
+        next += damped;
         if (!(grid_.mass(node) > T(0))) continue;
-        const auto step = integrate(node, undamped);
+        const auto step = integrate_node(grid_.before[node], grid_.after[node],
+                                         damped ? grid_.damping[node] : Quad<T>{}, T(dt_), cutoff_);
         grid_.after[node] = step.velocity;
-        cut[tile] += step.cut;
+        if (damped) damped_after_[place] = step.velocity;
+        light += step.cut;
       }
+      if (light > 0) cut[tile] += light;  // tiles of other threads are on the same line of the cache
     });
-    for (std::size_t i = 0; i < damped_.size(); ++i)
-      if (grid_.mass(damped_[i]) > T(0)) grid_.after[damped_[i]] = damped_after_[i];
     audit_.counts[std::size_t(Counter::node_cutoffs)] +=
         std::accumulate(cut.begin(), cut.end(), std::int64_t(0));
     constrain(grid_.geometry, faces_, grid_.after);
@@ -404,12 +412,18 @@ class Solver {
   }
 
   void account_for_absorbed(const Array<Quad<T>>& final) {
-    for (std::size_t i = 0; i < damped_.size(); ++i) {
-      const std::size_t node = damped_[i];
-      if (!(grid_.mass(node) > T(0))) continue;
-      absorbed_ += double(absorbed_energy(grid_.before[node].vector(), damped_after_[i].vector(),
-                                          final[node].vector(), grid_.damping[node].vector(), T(dt_)));
-    }
+    std::vector<double> absorbed(tiles_.count());
+    tiles_.for_each_line(grid_.geometry, threads_, false, [&](int tile, std::size_t begin, std::size_t end) {
+      double sum = 0;
+      for (std::size_t i = first_damped(begin); i < damped_.size() && damped_[i] < end; ++i) {
+        const std::size_t node = damped_[i];
+        if (!(grid_.mass(node) > T(0))) continue;
+        sum += double(absorbed_energy(grid_.before[node].vector(), damped_after_[i].vector(),
+                                      final[node].vector(), grid_.damping[node].vector(), T(dt_)));
+      }
+      if (sum != 0) absorbed[tile] += sum;
+    });
+    for (const double sum : absorbed) absorbed_ += sum;
     if (contact_) contact_energy_ += contact_->taken(grid_, final);
   }
 
@@ -420,8 +434,9 @@ class Solver {
     std::vector<double> taken(tiles_.count());
     exits_.assign(tiles_.count(), {});
     const auto work = [&](int tile, const Block& block) {
-      taken[tile] += update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
-                                                                         T(options_.pic_fraction));
+      const double lost = update_velocities<typename K::Shape, typename K::V>(points_, grid_, block,
+                                                                              T(options_.pic_fraction));
+      if (lost != 0) taken[tile] += lost;  // tiles of other threads are on the same line of the cache
       if (remaps()) add_to_grid<K>(block, grid_.remapped);
       return moves && move_block<K>(tile, block);
     };
@@ -567,6 +582,7 @@ class Solver {
   std::vector<std::vector<Exit>> exits_;  // of each tile in the last move
   std::vector<Exit> outside_;             // points that were put outside the grid
   std::vector<std::size_t> damped_;       // nodes of transmitting faces
+  std::vector<std::size_t> damped_row_;   // where damped_ has the first of each row of nodes along z
   Array<Quad<T>> damped_after_;           // their velocities before contact
   std::size_t live_ = 0;
   std::int64_t sorted_runs_ = 0, disorder_ = 0;

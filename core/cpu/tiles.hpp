@@ -112,6 +112,11 @@ class Tiles {
   void scatter(int threads, F&& f) const {
     by_colour(threads, [&](int t) { for_each_block(t, f); });
   }
+  // As scatter, for the blocks of sleeping tiles too.
+  template <class F>
+  void scatter_all(int threads, F&& f) const {
+    by_colour(threads, [&](int t) { for_each_block(t, f); }, true);
+  }
   // As scatter, where moved(tile, block) may move the points of a block and says whether one changed its
   // cell: then its points are split again. then(tile, block) may add to the nodes under the blocks that
   // result.
@@ -169,13 +174,13 @@ class Tiles {
     bool astray = false;                                // a point is farther than a plane or a row away
   };
 
-  // f(tile) for each that is awake; a colour's in parallel.
+  // f(tile) for each that is awake, or for all; a colour's in parallel.
   template <class F>
-  void by_colour(int threads, F&& f) const {
+  void by_colour(int threads, F&& f, bool all = false) const {
     for (int colour = 0; colour < 4; ++colour) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
       for (int t = 0; t < count(); ++t)
-        if (!sleeps(t) && t / across_ % 2 * 2 + t % across_ % 2 == colour) f(t);
+        if ((all || !sleeps(t)) && t / across_ % 2 * 2 + t % across_ % 2 == colour) f(t);
     }
   }
 
