@@ -10,7 +10,8 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
 from reporting import write_rows
 
 from pockmark import Scene, Simulation, __version__
+from pockmark.bench import bench, bench_scene
 from pockmark.store import commit
 
 HERE = Path(__file__).parent
@@ -44,23 +46,15 @@ CASES: dict[str, tuple[str, list[str]]] = {  # instruction set, arguments
 GROWTH = [250_000, 500_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000]
 
 
-def bench(isa: str, arguments: list[str]) -> dict[str, Any]:
-    """The figures of `pockmark bench` in processes of their own, on one thread unless told: the fastest of three."""
-    threads = [] if "--threads" in arguments else ["--threads", "1"]
-    command = [sys.executable, "-m", "pockmark", "bench", "--json", *threads, *arguments]
-    environment = os.environ | ({"POCKMARK_ISA": isa} if isa else {})
-
-    def once() -> dict[str, Any]:
-        done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
-        return dict(json.loads(done.stdout))
-
-    # The machines are shared: what else runs there only slows.
+def fastest_of_three(once: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """A row of the table. The machines are shared: what else runs there only slows."""
     result = max((once() for _ in range(3)), key=lambda r: r["particle_steps_per_second"])
+    scalar = result.get("scalar_particle_steps_per_second")
     row = {
         "isa": result["isa"],
         "points": result["points"],
         "M_particle_steps_s": f"{result['particle_steps_per_second'] / 1e6:.2f}",
-        "scalar_driver_M": f"{result.get('scalar_particle_steps_per_second', 0) / 1e6:.2f}",
+        "scalar_driver_M": f"{scalar / 1e6:.2f}" if scalar else "",
         "copy_GB_s": f"{result['copy_bandwidth'] / 1e9:.1f}",
         "share_of_copy": f"{result['share_of_copy_bandwidth']:.2f}",
         "bytes_per_point": f"{result['bytes_per_point'] + result['grid_bytes_per_point']:.0f}",
@@ -68,11 +62,21 @@ def bench(isa: str, arguments: list[str]) -> dict[str, Any]:
     return row | {f"{phase}_ns": f"{p['ns_per_point']:.1f}" for phase, p in result["phases"].items()}
 
 
+def command_line(isa: str, arguments: list[str]) -> dict[str, Any]:
+    """The figures of `pockmark bench` in a process of its own, on one thread unless told."""
+    threads = [] if "--threads" in arguments else ["--threads", "1"]
+    command = [sys.executable, "-m", "pockmark", "bench", "--json", *threads, *arguments]
+    environment = os.environ | ({"POCKMARK_ISA": isa} if isa else {})
+    done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
+    return dict(json.loads(done.stdout))
+
+
 def cases(only: list[str] | None) -> Iterator[dict[str, Any]]:
     """Model 1 of Table 2, case by case."""
     for name, (isa, arguments) in CASES.items():
         if not only or name in only:
-            yield {"case": name} | bench(isa, [*arguments, "--points", "252112"])
+            whole = [*arguments, "--points", "252112"]
+            yield {"case": name} | fastest_of_three(partial(command_line, isa, whole))
 
 
 def growth(only: list[str] | None) -> Iterator[dict[str, Any]]:
@@ -80,7 +84,8 @@ def growth(only: list[str] | None) -> Iterator[dict[str, Any]]:
     for points in GROWTH:
         name = f"{points / 1e6:g} million"
         if not only or name in only:
-            yield {"case": name} | bench("", ["--points", str(points)])
+            once = partial(bench, bench_scene(points), 1, compare=False)
+            yield {"case": name} | fastest_of_three(once)
 
 
 def age(only: list[str] | None) -> Iterator[dict[str, Any]]:

@@ -45,8 +45,8 @@ def bench_scene(points: int, overrides: tuple[str, ...] = ()) -> Scene:
     return Scene.from_dict(table, source="bench", overrides=overrides)
 
 
-def bench(scene: Scene, threads: int) -> dict[str, Any]:
-    """Step the scene through the window with the SIMD and the scalar driver; figures in SI, ready for JSON."""
+def bench(scene: Scene, threads: int, *, compare: bool = True) -> dict[str, Any]:
+    """Step the scene through the window, and then with the scalar driver (`compare`); figures in SI, ready for JSON."""
     simulation = Simulation(scene, threads)
     measured = _measure(simulation, END)
     seconds, points, steps = measured.seconds, measured.points, measured.steps
@@ -79,7 +79,7 @@ def bench(scene: Scene, threads: int) -> dict[str, Any]:
             for phase, s in seconds.items()
         },
     }
-    if build["lanes"]:
+    if compare and build["lanes"]:
         scalar = Simulation(scene, threads, lanes=False)
         result["scalar_particle_steps_per_second"] = _measure(scalar, END).rate
         result["lanes_over_scalar"] = rate / result["scalar_particle_steps_per_second"]
@@ -127,7 +127,7 @@ def traffic_per_point(scene: Scene, sorts_per_step: float) -> dict[str, float]:
     move = 2 * of("position")
     if scheme == "usavg":
         move += of(*strained, "pressure", "viscosity", "damage") + of(*strained)
-    maps = scheme != "usl"  # momentum, the new one or that for the next step, in the pass that updates velocities
+    maps = scheme != "usl"  # the pass that updates velocities adds the points to the grid, too
     traffic: dict[str, float] = {
         "p2g": of("position", "velocity", "mass") * min(sorts_per_step, 1.0),  # a sort undoes what was mapped
         "stress": stress if first else stress + loaded + of("position"),
