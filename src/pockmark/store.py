@@ -239,11 +239,13 @@ def machine() -> dict[str, Any]:
 
 
 def commit() -> str | None:
-    """The git commit of the pockmark tree around this file ("-dirty" if changed since), or None."""
+    """The git commit of the pockmark tree around this file ("-dirty" if its code changed since), or None."""
     # A virtual environment inside somebody's own repository must not give that repository's commit.
     if _git("ls-files", "--error-unmatch", ":/src/pockmark/store.py") is None:
         return None
-    return _git("describe", "--always", "--dirty", "--abbrev=40", "--exclude=*")
+    head = _git("rev-parse", "HEAD")
+    changed = _git("status", "--porcelain", "--", ":/src", ":/core", ":/CMakeLists.txt")
+    return f"{head}-dirty" if head and changed else head
 
 
 def _git(*arguments: str) -> str | None:
