@@ -379,14 +379,14 @@ class Solver {
       std::size_t next = first_damped(begin);
       std::int64_t light = 0;
       for (std::size_t node = begin; node < end; ++node) {
-        const bool damped = next < damped_.size() && damped_[next] == node;
-        const std::size_t place = next;
+        const std::size_t i = next;
+        const bool damped = i < damped_.size() && damped_[i] == node;
         next += damped;
         if (!(grid_.mass(node) > T(0))) continue;
         const auto step = integrate_node(grid_.before[node], grid_.after[node],
                                          damped ? grid_.damping[node] : Quad<T>{}, T(dt_), cutoff_);
         grid_.after[node] = step.velocity;
-        if (damped) damped_after_[place] = step.velocity;
+        if (damped) damped_after_[i] = step.velocity;
         light += step.cut;
       }
       if (light > 0) cut[tile] += light;  // tiles of other threads are on the same line of the cache
