@@ -7,6 +7,7 @@
 #include <string>
 
 #include "../elementary.hpp"
+#include "../homologous.hpp"
 
 namespace pockmark {
 
@@ -25,7 +26,8 @@ struct DamageStep {
 
 template <class T>
 struct JohnsonCookFailure {
-  T D1, D2, D3, D4, D5, reference_rate, t_room, t_melt;
+  T D1, D2, D3, D4, D5, reference_rate;
+  HomologousTemperature<T> homologous;
   FailureTreatment treatment;
   T floor, triaxiality_min, triaxiality_max;
 
@@ -38,21 +40,19 @@ struct JohnsonCookFailure {
         D4(D4_),
         D5(D5_),
         reference_rate(reference_rate_),
-        t_room(t_room_),
-        t_melt(t_melt_),
+        homologous(t_room_, t_melt_),
         treatment(treatment_),
         floor(floor_),
         triaxiality_min(triaxiality_min_),
-        triaxiality_max(triaxiality_max_),
-        per_kelvin_(T(1) / (t_melt_ - t_room_)) {}
+        triaxiality_max(triaxiality_max_) {}
   template <class U>
   explicit JohnsonCookFailure(const JohnsonCookFailure<U>& o)
-      : JohnsonCookFailure(T(o.D1), T(o.D2), T(o.D3), T(o.D4), T(o.D5), T(o.reference_rate), T(o.t_room),
-                           T(o.t_melt), o.treatment, T(o.floor), T(o.triaxiality_min), T(o.triaxiality_max)) {
-  }
+      : JohnsonCookFailure(T(o.D1), T(o.D2), T(o.D3), T(o.D4), T(o.D5), T(o.reference_rate),
+                           T(o.homologous.t_room), T(o.homologous.t_melt), o.treatment, T(o.floor),
+                           T(o.triaxiality_min), T(o.triaxiality_max)) {}
 
   std::string check() const {
-    if (!(t_melt > t_room && reference_rate > 0))
+    if (!(homologous.t_melt > homologous.t_room && reference_rate > 0))
       return "t_melt must exceed t_room; reference_rate must be > 0";
     if (treatment == FailureTreatment::floor && !(floor > 0)) return "floor must be > 0";
     return triaxiality_max > triaxiality_min ? "" : "triaxiality_max must exceed triaxiality_min";
@@ -62,8 +62,7 @@ struct JohnsonCookFailure {
 
   template <class V>
   PM_HD V failure_strain(V triaxiality, V rate, V temperature) const {
-    const V hot = min(max((temperature - t_room) * per_kelvin_, V(0)), V(1));
-    V strain = (D1 + D2 * fast_exp(D3 * triaxiality)) * (V(1) + D5 * hot);
+    V strain = (D1 + D2 * fast_exp(D3 * triaxiality)) * (V(1) + D5 * homologous(temperature));
     if (D4 != T(0)) strain *= V(1) + D4 * fast_log(max(rate * (T(1) / reference_rate), V(1)));
     return strain;
   }
@@ -86,9 +85,6 @@ struct JohnsonCookFailure {
     const auto counts = treatment == FailureTreatment::signed_damage ? positive || negative : positive;
     return {select(counts, strain_increment / select(counts, strain, V(1)), V(0)), treated || !positive};
   }
-
- private:
-  T per_kelvin_;
 };
 
 template <class T>

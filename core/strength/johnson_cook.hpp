@@ -7,6 +7,7 @@
 #include <string>
 
 #include "../elementary.hpp"
+#include "../homologous.hpp"
 
 namespace pockmark {
 
@@ -18,7 +19,8 @@ struct PlasticReturn {
 
 template <class T>
 struct JohnsonCook {
-  T shear_modulus, A, B, n, C, m, reference_rate, t_room, t_melt;
+  T shear_modulus, A, B, n, C, m, reference_rate;
+  HomologousTemperature<T> homologous;
 
   JohnsonCook() = default;
   JohnsonCook(T shear_modulus_, T A_, T B_, T n_, T C_, T m_, T reference_rate_, T t_room_, T t_melt_)
@@ -29,24 +31,23 @@ struct JohnsonCook {
         C(C_),
         m(m_),
         reference_rate(reference_rate_),
-        t_room(t_room_),
-        t_melt(t_melt_),
-        per_kelvin_(T(1) / (t_melt_ - t_room_)) {}
+        homologous(t_room_, t_melt_) {}
   template <class U>
   explicit JohnsonCook(const JohnsonCook<U>& o)
       : JohnsonCook(T(o.shear_modulus), T(o.A), T(o.B), T(o.n), T(o.C), T(o.m), T(o.reference_rate),
-                    T(o.t_room), T(o.t_melt)) {}
+                    T(o.homologous.t_room), T(o.homologous.t_melt)) {}
 
   std::string check() const {
     if (!(shear_modulus > 0 && A > 0 && B >= 0 && n > 0 && C >= 0 && m > 0))
       return "shear_modulus, A, n, m must be > 0; B, C >= 0";
-    return t_melt > t_room && reference_rate > 0 ? ""
-                                                 : "t_melt must exceed t_room; reference_rate must be > 0";
+    return homologous.t_melt > homologous.t_room && reference_rate > 0
+               ? ""
+               : "t_melt must exceed t_room; reference_rate must be > 0";
   }
 
   template <class V>
   PM_HD V softening(V temperature) const {
-    const V star = min(max((temperature - t_room) * per_kelvin_, V(0)), V(1));
+    const V star = homologous(temperature);
     return V(1) - (m == T(1) ? star : fast_pow(star, m));
   }
   PM_HD T flow_stress(T strain, T rate, T temperature) const {
@@ -126,8 +127,6 @@ struct JohnsonCook {
     const V q = T(2) * w1 * (w1 + T(2.0 / 3.0) * z);
     return scale * w * (V(1) + z / w1 * (q - z) / (q - T(2) * z));
   }
-
-  T per_kelvin_;  // kept: the division would be done for every pack
 };
 
 }  // namespace pockmark
