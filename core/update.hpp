@@ -163,7 +163,7 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
     });
   V taken = V(0);
   for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
-    points.prefetch(p, Field::place, Field::velocity, Field::mass);
+    points.prefetch(p, Field::place, Field::velocity, Field::mass);  // the mass is for the mapping
     const auto flip =
         points.template vector<V>(Field::velocity, p, n) + change.template vector<V>(p - block.begin);
     if (!(pic > T(0))) return points.set_vector(Field::velocity, p, flip, n);
@@ -175,7 +175,8 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
   return sum_of(taken);
 }
 
-// Moves the stress of the points through a strain (see follow_strain).
+// Moves the stress of the points through a strain (see follow_strain). Also asks the cache for what the
+// mapping that follows will read of them.
 template <class V, class T = number_t<V>>
 void strain_points(Particles<T>& points, const std::vector<Material<T>>& materials, const Block& block,
                    const StrainColumns<T>& strains) {
