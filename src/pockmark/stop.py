@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
 
 class _Note:
     """A signal handler that only notes that it was called."""
@@ -27,12 +29,12 @@ def heard_between_steps() -> Iterator[Callable[[], None]]:
     So no file is torn, and an impatient second Ctrl-C does not lose what the first one keeps. One within another shares
     what the outer one has noted.
     """
-    outer = signal.getsignal(signal.SIGINT)
-    note = outer if isinstance(outer, _Note) else _Note()
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
+    note = next((handler for handler in handlers.values() if isinstance(handler, _Note)), None) or _Note()
     old = {}
     if threading.current_thread() is threading.main_thread():  # no other may set handlers
-        for number in (signal.SIGINT, signal.SIGTERM):
-            if signal.getsignal(number) not in (signal.SIG_IGN, None):  # as under nohup; not Python's
+        for number, handler in handlers.items():
+            if handler not in (signal.SIG_IGN, None):  # as under nohup; not Python's
                 old[number] = signal.signal(number, note)
     try:
         yield note.stop_if_asked
