@@ -187,6 +187,21 @@ def test_a_full_disk_is_one_sentence_and_leaves_no_half_file(tmp_path):
     assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "failed"
 
 
+def _hear_ctrl_c():
+    """In a process that is started: where tests run in the background, it may be ignored."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _python_that_hears_ctrl_c(code, *arguments):
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=_hear_ctrl_c,
+    )
+
+
 @pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGINT] * 3], ids=str)
 def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
     folder = tmp_path / "run"
@@ -194,7 +209,7 @@ def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
         folder,
         "--set",
         "end_time='10 us'",
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        preexec_fn=_hear_ctrl_c,
     )
     deadline = time.monotonic() + 60
     while not list(folder.glob("snapshot-0001.vtkhdf")) and time.monotonic() < deadline:
@@ -211,15 +226,15 @@ def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
 
 
 PRESSES_CTRL_C_ALL_THE_WAY = """
-import os, signal, sys
+import os, signal
 from pockmark import cli, simulation
 from pockmark.__main__ import main
-def pressing(name, module=cli):
-    function = getattr(module, name)
+def pressing(name):
+    function = getattr(cli, name)
     def press(*args, **kwargs):
         os.kill(os.getpid(), signal.SIGINT)
         return function(*args, **kwargs)
-    setattr(module, name, press)
+    setattr(cli, name, press)
 pressing("measure_run")
 pressing("plot_run")
 run = simulation.Simulation.run
@@ -236,13 +251,7 @@ main()
 
 def test_ctrl_c_while_an_interrupted_run_is_measured_and_drawn_loses_nothing(tmp_path):
     folder = tmp_path / "run"
-    run = subprocess.run(
-        [sys.executable, "-c", PRESSES_CTRL_C_ALL_THE_WAY, "run", QUICK, "-o", folder, "--quiet"],
-        capture_output=True,
-        text=True,
-        check=False,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
+    run = _python_that_hears_ctrl_c(PRESSES_CTRL_C_ALL_THE_WAY, "run", QUICK, "-o", folder, "--quiet")
     assert run.stderr == ""
     assert run.returncode == 130
     assert "interrupted: what was computed is kept" in run.stdout
@@ -264,15 +273,8 @@ main()
 
 def test_ctrl_c_before_the_first_step_keeps_the_run_that_force_would_replace(tmp_path):
     kept, _ = run_scene(Scene.load(QUICK, ["end_time='4 ns'"]), tmp_path / "run", threads=1, progress=False)
-    run = subprocess.run(
-        [
-            *(sys.executable, "-c", PRESSES_CTRL_C_WHILE_THE_POINTS_ARE_LAID),
-            *("run", QUICK, "-o", kept.path, "--force", "--quiet"),
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    run = _python_that_hears_ctrl_c(
+        PRESSES_CTRL_C_WHILE_THE_POINTS_ARE_LAID, "run", QUICK, "-o", kept.path, "--force", "--quiet"
     )
     assert (run.returncode, run.stderr) == (130, "")
     assert kept.manifest()["status"] == "finished"
@@ -291,13 +293,7 @@ main()
 
 
 def test_ctrl_c_during_the_imports_says_nothing():
-    run = subprocess.run(
-        [sys.executable, "-c", PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED],
-        capture_output=True,
-        text=True,
-        check=False,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )
+    run = _python_that_hears_ctrl_c(PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED)
     assert run.returncode == -signal.SIGINT
     assert run.stderr == ""
 

@@ -66,6 +66,12 @@ def test_lanes_agree_with_the_scalar_driver_on_random_points(scheme, shape, sing
     assert worst < tolerance
 
 
+def assert_same_bits(one, other):
+    for name in FIELDS:
+        assert np.array_equal(one.field(name), other.field(name)), name
+    assert one.ledger() == other.ledger()
+
+
 @SHAPES
 @pytest.mark.parametrize("scheme", ["usf", "musl", "usavg"])
 def test_sleep_changes_no_bit(scheme, shape):
@@ -85,9 +91,7 @@ def test_sleep_changes_no_bit(scheme, shape):
     assert not any(asleep[:12])
     assert share[0] > 0.2
     assert share[-1] < share[0]
-    for name in FIELDS:
-        assert np.array_equal(runs[0].field(name), runs[1].field(name)), name
-    assert runs[0].ledger() == runs[1].ledger()
+    assert_same_bits(*runs)
     assert runs[0].counters() == runs[1].counters()
 
 
@@ -104,9 +108,7 @@ def test_points_mapped_ahead_are_mapped_as_they_would_be(scheme):
     print(f"{scheme}: {runs[0].sorts} sorts, {runs[0].counters()['left_points']} points left")
     assert runs[0].sorts > 2
     assert runs[0].counters()["left_points"] > 0
-    for name in FIELDS:
-        assert np.array_equal(runs[0].field(name), runs[1].field(name)), name
-    assert runs[0].ledger() == runs[1].ledger()
+    assert_same_bits(*runs)
 
 
 @pytest.mark.parametrize(
@@ -126,6 +128,4 @@ def test_threads_change_no_bit_of_an_impact(precision, scheme):
     assert runs[0].sorts > 2
     assert left > 0
     for other in runs[1:]:
-        for name in FIELDS:
-            assert np.array_equal(runs[0].field(name), other.field(name)), name
-        assert runs[0].ledger() == other.ledger()
+        assert_same_bits(runs[0], other)
