@@ -14,6 +14,7 @@ import pytest
 from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.forecast import forecast
 from pockmark.run import run_scene
+from pockmark.stop import heard_between_steps
 from pockmark.store import RunFolder, Snapshot
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
@@ -278,6 +279,17 @@ def test_ctrl_c_before_the_first_step_keeps_the_run_that_force_would_replace(tmp
     )
     assert (run.returncode, run.stderr) == (130, "")
     assert kept.manifest()["status"] == "finished"
+
+
+def test_sigterm_before_the_first_step_is_heard_where_ctrl_c_is_ignored():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as under nohup
+    try:
+        with heard_between_steps():
+            signal.raise_signal(signal.SIGTERM)
+            with heard_between_steps() as stop_if_asked, pytest.raises(KeyboardInterrupt):
+                stop_if_asked()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED = """
