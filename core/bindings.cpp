@@ -152,13 +152,16 @@ const FieldInfo& field_named(const std::string& name) {
   throw std::invalid_argument("no field is named '" + name + "'");
 }
 
-// A field between what the core keeps and what a user knows: the same, but for the volume, kept as V/V0 - 1.
+// A field between what the core keeps and what a user knows: the same, but for the volume, kept as V/V0 - 1,
+// and the mass, in a unit of the solver's.
 template <class T>
 double to_user(const Solver<T>& solver, Field field, std::size_t p, double kept) {
+  if (field == Field::mass) return kept * solver.mass_unit();
   return field == Field::dilation ? (1 + kept) * solver.reference_volume(p) : kept;
 }
 template <class T>
 double from_user(const Solver<T>& solver, Field field, std::size_t p, double given) {
+  if (field == Field::mass) return given / solver.mass_unit();
   return field == Field::dilation ? given / solver.reference_volume(p) - 1 : given;
 }
 
@@ -235,7 +238,7 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
     for (int a = 0; a < 3; ++a) points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
     // Points at the density of their material are kept with V/V0 - 1 = 0 exactly: they have no stress at all.
     const double density = materials[body.data()[i]].template as<double>().density();
-    points.at(Field::mass)[p] = T(mass.data()[i]);
+    points.at(Field::mass)[p] = T(mass.data()[i] / solver.mass_unit());
     points.at(Field::dilation)[p] = T(volume.data()[i] * density / mass.data()[i] - 1);
     points.at(Field::temperature)[p] = T(materials[body.data()[i]].t_room);
     points.id[p] = std::uint32_t(p);

@@ -1,5 +1,6 @@
 // The explicit material point method: the step reads as the seven steps of Liu et al. 2015, Section 2.
 #pragma once
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -65,8 +66,9 @@ class Solver {
           {m.density() * m.dilatational_speed(), m.density() * m.shear_speed(), m.specific_volume});
       lightest = std::min(lightest, m.density());
     }
-    const T h = geometry.cell;
-    cutoff_ = T(options.mass_cutoff) * lightest * h * h * h;
+    const double cell_mass = double(lightest) * std::pow(double(geometry.cell), 3);
+    mass_unit_ = std::exp2(std::round(std::log2(cell_mass)));
+    cutoff_ = T(options.mass_cutoff * cell_mass / mass_unit_);
   }
 
   Particles<T>& points() { return points_; }
@@ -154,9 +156,10 @@ class Solver {
 
   Ledger ledger() const {
     Ledger l = energies();
-    l.absorbed = absorbed_, l.pic = pic_energy_, l.contact = contact_energy_;
+    l.absorbed = mass_unit_ * absorbed_, l.pic = mass_unit_ * pic_energy_;
+    l.contact = mass_unit_ * contact_energy_;
     l.left_kinetic = departed_.kinetic, l.left_internal = departed_.internal;
-    l.viscous = audit_.viscous_work, l.plastic = audit_.plastic_work;
+    l.viscous = mass_unit_ * audit_.viscous_work, l.plastic = mass_unit_ * audit_.plastic_work;
     l.initial = initial_;
     return l;
   }
@@ -199,7 +202,7 @@ class Solver {
       if (points_.cell[p] != gone) f(p);
   }
   double reference_volume(std::size_t p) const {
-    return double(points_.at(Field::mass)[p]) * double(materials_[points_.body[p]].specific_volume);
+    return mass(p) * double(materials_[points_.body[p]].specific_volume);
   }
   // To be called when points were changed from outside.
   void wake() { tiles_.wake(), mapped_ = false; }
@@ -209,6 +212,11 @@ class Solver {
   std::size_t sleeping_points() const {
     std::size_t sum = 0;
     for (int tile = 0; tile < tiles_.count(); ++tile)
+  // What masses are kept in (kg), and with them volumes, forces and energies on their way through a step:
+  // about a full cell's, so that single precision holds the mass of any node of any body. A power of two: no
+  // digit of a result depends on it.
+  double mass_unit() const { return mass_unit_; }
+  double mass(std::size_t p) const { return mass_unit_ * double(points_.at(Field::mass)[p]); }
       if (tiles_.sleeps(tile))
         tiles_.for_each_block(tile, [&](int, const Block& block) { sum += block.end - block.begin; });
     return sum;
@@ -326,8 +334,10 @@ class Solver {
 
   void momentum_to_velocity(Array<Quad<T>>& field) {
     tiles_.for_each_line(grid_.geometry, threads_, false, [&](int, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (field[i].v[3] > T(0)) field[i].set_vector((T(1) / field[i].v[3]) * field[i].vector());
+      for (std::size_t i = begin; i < end; ++i) {
+        const T mass = field[i].v[3];
+        field[i].set_vector(mass > least_mass<T> ? (T(1) / mass) * field[i].vector() : Vec3<T>{});
+      }
     });
   }
 
@@ -382,7 +392,10 @@ class Solver {
         const std::size_t i = next;
         const bool damped = i < damped_.size() && damped_[i] == node;
         next += damped;
-        if (!(grid_.mass(node) > T(0))) continue;
+        if (!grid_.has_mass(node)) {
+          grid_.after[node] = {};
+          continue;
+        }
         const auto step = integrate_node(grid_.before[node], grid_.after[node],
                                          damped ? grid_.damping[node] : Quad<T>{}, T(dt_), cutoff_);
         grid_.after[node] = step.velocity;
@@ -417,7 +430,7 @@ class Solver {
       double sum = 0;
       for (std::size_t i = first_damped(begin); i < damped_.size() && damped_[i] < end; ++i) {
         const std::size_t node = damped_[i];
-        if (!(grid_.mass(node) > T(0))) continue;
+        if (!grid_.has_mass(node)) continue;
         sum += double(absorbed_energy(grid_.before[node].vector(), damped_after_[i].vector(),
                                       final[node].vector(), grid_.damping[node].vector(), T(dt_)));
       }
@@ -526,7 +539,7 @@ class Solver {
   void account_for(const Exit& exit) {
     const std::size_t p = exit.point;
     const auto v = points_.vector(Field::velocity, p);
-    const double m = points_.at(Field::mass)[p];
+    const double m = mass(p);
     if (!std::isfinite(dot(v, v))) throw std::runtime_error("a point's velocity is no longer a number");
     departed_.mass += m;
     departed_.momentum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
@@ -550,7 +563,7 @@ class Solver {
     tiles_.visit(threads_, [&](int tile, const Block& block) {
       for (std::size_t p = block.begin; p < block.end; ++p) {
         const auto v = points_.vector(Field::velocity, p);
-        const double m = points_.at(Field::mass)[p];
+        const double m = mass(p);
         parts[tile].kinetic += 0.5 * m * double(dot(v, v));
         parts[tile].internal += internal_energy(p);
         parts[tile].mass += m;
@@ -570,7 +583,7 @@ class Solver {
   std::vector<Damper<T>> dampers_;  // of each body
   Options options_;
   int threads_;
-  T cutoff_;  // kg
+  T cutoff_;  // in units of mass_unit_
   Particles<T> points_;
   Grid<T> grid_;
   cpu::Tiles tiles_;
@@ -593,7 +606,9 @@ class Solver {
   Departed departed_;
   double time_ = 0, next_time_ = 0, dt_ = 0, first_dt_ = 0;
   std::int64_t cycle_ = 0, sorts_ = 0;
-  double initial_ = 0, absorbed_ = 0, pic_energy_ = 0, contact_energy_ = 0;
+  double mass_unit_ = 1;                                       // kg
+  double initial_ = 0;                                         // J
+  double absorbed_ = 0, pic_energy_ = 0, contact_energy_ = 0;  // J/kg times mass_unit_
 };
 
 }  // namespace pockmark

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "array.hpp"
@@ -31,6 +32,11 @@ PM_HD PointState<V> select(M m, const PointState<V>& a, const PointState<V>& b) 
           select(m, a.damage, b.damage),
           select(m, a.deviator, b.deviator)};
 }
+
+// A node with less mass than this has a velocity of rounding only: its momentum is about as small as numbers
+// get. Masses are in units of a full cell's (Solver), so nothing of weight is left out, however small a body.
+template <class T>
+inline constexpr T least_mass = std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon();
 
 // The cell of a point that has left the grid.
 inline constexpr std::uint32_t gone = UINT32_MAX;
@@ -184,6 +190,7 @@ struct Grid {
   Array<Quad<T>> remapped;  // MUSL, USAVG: the points' new velocity mapped back; USF: their next momentum
 
   T mass(std::size_t node) const { return before[node].v[3]; }
+  bool has_mass(std::size_t node) const { return mass(node) > least_mass<T>; }
   void allocate(const GridGeometry<T>& g) {
     geometry = g;
     for (auto* field : {&before, &after, &damping, &remapped})

@@ -71,7 +71,7 @@ class Contact {
     tiles.for_each_line(grid.geometry, threads, false, [&](int tile, std::size_t begin, std::size_t end) {
       if (begin >= second_) return;
       for (std::size_t node = begin; node < end; ++node)
-        if (grid.mass(node) > T(0) && grid.mass(second_ + node) > T(0)) found_[tile].push_back(node);
+        if (grid.has_mass(node) && grid.has_mass(second_ + node)) found_[tile].push_back(node);
     });
     for (const auto& nodes : found_)
       for (const std::size_t node : nodes) {

@@ -55,6 +55,22 @@ def perfectly_plastic(shear, yield_stress):
     )
 
 
+def aluminium():
+    """Al 2024 of the paper, without failure."""
+    strength = core.JohnsonCook(
+        shear_modulus=SHEAR,
+        A=265e6,
+        B=426e6,
+        n=0.34,
+        C=0.015,
+        m=1.0,
+        reference_rate=1.0,
+        t_room=293.0,
+        t_melt=775.0,
+    )
+    return material(paper_eos(), strength, q=(1.5, 0.06))
+
+
 def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, lanes=None):
     return core.Options(
         scheme=getattr(core.Scheme, scheme),
@@ -75,8 +91,8 @@ def lattice(lower, counts, pitch):
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def solver(lower, cell, cells, faces, materials, opts, bodies, *, threads=THREADS, single=False):
-    """bodies: (position, velocity, volume of a point, density, index of the material)."""
+def solver(lower, cell, cells, faces, materials, opts, bodies, *, threads=THREADS, single=False, flies=None):
+    """bodies: (position, velocity, volume of a point, density, index of the material); flies: of each material."""
     kind = core.SolverSingle if single else core.Solver
     out = kind(
         lower=tuple(float(x) for x in lower),
@@ -87,6 +103,8 @@ def solver(lower, cell, cells, faces, materials, opts, bodies, *, threads=THREAD
         options=opts,
         threads=threads,
     )
+    if flies:
+        out.let_fly(flies)
     for position, velocity, volume, density, body in bodies:
         n = len(position)
         v = np.ascontiguousarray(np.broadcast_to(velocity, (n, 3)), dtype=float)

@@ -2,24 +2,9 @@
 
 import numpy as np
 import pytest
-from builders import FREE, RHO, SHEAR, SYMMETRY, core, lattice, material, options, paper_eos, solver
+from builders import FREE, RHO, SYMMETRY, aluminium, lattice, options, solver
 
 H = 4e-6
-
-
-def aluminium():
-    strength = core.JohnsonCook(
-        shear_modulus=SHEAR,
-        A=265e6,
-        B=426e6,
-        n=0.34,
-        C=0.015,
-        m=1.0,
-        reference_rate=1.0,
-        t_room=293.0,
-        t_melt=775.0,
-    )
-    return material(paper_eos(), strength, q=(1.5, 0.06))
 
 
 def collision(scheme="usavg", shape="trilinear", *, half=False, threads=1, single=False, cutoff=0.0):

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import FREE, RHO, TRANSMITTING, core, solver
-from test_conservation import aluminium
+from builders import FREE, RHO, TRANSMITTING, aluminium, core, solver
 
 from pockmark.bench import bench_scene
 from pockmark.simulation import Simulation

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import FREE, PRECISIONS, elastic, lattice, options, solver
+from builders import FREE, PRECISIONS, RHO, aluminium, elastic, lattice, options, solver
 
 YOUNG, NU, DENSITY = 73e9, 0.33, 2770.0
 SPEED = np.sqrt(YOUNG / DENSITY)
@@ -82,3 +82,31 @@ def test_rigid_spin(scheme, shape, single):
     assert abs(fine[0]) < 0.1
     if scheme == "usavg":
         assert abs(fine[2]) < (1e-4 if single else 1e-9)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-3], ids=["um", "nm"])
+@pytest.mark.parametrize("offset", [0.0, 0.5, 0.25])
+@PRECISIONS
+def test_nodes_of_hardly_any_mass_have_a_velocity(scale, offset, single):
+    """Points on the edge of quadratic stencils: a node's share of their mass is smaller than single precision's least number."""
+    h = H * scale
+    block = lattice((2 * h, 2 * h, 2 * h), (4, 4, 4), h) + offset * h
+    ball = block + np.array([0.0, 0.0, 4 * h])
+    s = solver(
+        (0, 0, 0),
+        h,
+        (12, 12, 14),
+        [FREE] * 6,
+        [aluminium()],
+        options("usavg", "quadratic"),
+        [(block, (0, 0, 0), h**3, RHO, 0), (ball, (0, 0, -2000.0), h**3, RHO, 0)],
+        single=single,
+    )
+    s.advance(40, 1.0)
+    ledger = s.ledger()
+    print(
+        f"{scale:g}, {offset}: internal {ledger['internal'] / ledger['initial']:.4f}, error {ledger['error'] / ledger['initial']:.1e}"
+    )
+    assert np.isfinite(s.field("velocity")).all()
+    assert ledger["internal"] > 0.1 * ledger["initial"]
+    assert abs(ledger["error"]) < (1e-4 if single else 1e-9) * ledger["initial"]
