@@ -303,6 +303,8 @@ void bind_solver(nb::module_& m, const char* name) {
           },
           "in_second"_a, "friction"_a)
       .def(
+          "let_fly", [](S& s, const std::vector<std::uint8_t>& flies) { s.solver.let_fly(flies); }, "flies"_a)
+      .def(
           "reserve", [](S& s, std::size_t points) { s.solver.points().reserve(points); }, "points"_a)
       .def(
           "add_points",
@@ -364,7 +366,7 @@ void bind_solver(nb::module_& m, const char* name) {
         nb::dict d;
         // Fields, body, id, cell; the sorter's scratch and permutation; runs.
         d["points"] = n * (component_count * sizeof(T) + 9 + sizeof(T) + 9) + s.solver.run_bytes();
-        d["grid"] = nodes * (4 * sizeof(Quad<T>) + 4) + s.solver.contact_bytes();
+        d["grid"] = nodes * (4 * sizeof(Quad<T>) + 4) + s.solver.other_grid_bytes();
         return d;
       });
 }

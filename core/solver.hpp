@@ -95,6 +95,12 @@ class Solver {
     contact_.emplace(geometry, faces_, T(friction));
   }
 
+  // Names the bodies that are no part of the target: transmitting faces let them pass. Before initialize().
+  void let_fly(std::vector<std::uint8_t> flies) {
+    if (flies.size() != materials_.size()) throw std::invalid_argument("let_fly: a number a body is needed");
+    flies_ = std::move(flies);
+  }
+
   // Puts a point, whose body is known, at x (m). Called once for each point, before initialize().
   void place(std::size_t p, const Vec3<double>& x) {
     const auto& g = grid_.geometry;
@@ -126,6 +132,8 @@ class Solver {
 
   void initialize() {
     live_ = points_.size();
+    flies_.resize(materials_.size());
+    anchorage_.begin(grid_.geometry, flies_);
     for (const Exit& exit : outside_) account_for(exit);
     with_kernels([&]<class K>(K) { sort<K>(); });
     for (std::size_t p = 0; p < points_.size(); ++p) {
@@ -204,19 +212,19 @@ class Solver {
   double reference_volume(std::size_t p) const {
     return mass(p) * double(materials_[points_.body[p]].specific_volume);
   }
-  // To be called when points were changed from outside.
-  void wake() { tiles_.wake(), mapped_ = false; }
-  std::int64_t sorts() const { return sorts_; }  // how often points were put in the order of the cells
-  std::size_t contact_bytes() const { return contact_ ? contact_->bytes() : 0; }
-  std::size_t run_bytes() const { return tiles_.run_count() * sizeof(Run); }
-  std::size_t sleeping_points() const {
-    std::size_t sum = 0;
-    for (int tile = 0; tile < tiles_.count(); ++tile)
   // What masses are kept in (kg), and with them volumes, forces and energies on their way through a step:
   // about a full cell's, so that single precision holds the mass of any node of any body. A power of two: no
   // digit of a result depends on it.
   double mass_unit() const { return mass_unit_; }
   double mass(std::size_t p) const { return mass_unit_ * double(points_.at(Field::mass)[p]); }
+  // To be called when points were changed from outside.
+  void wake() { tiles_.wake(), mapped_ = false; }
+  std::int64_t sorts() const { return sorts_; }  // how often points were put in the order of the cells
+  std::size_t other_grid_bytes() const { return anchorage_.bytes() + (contact_ ? contact_->bytes() : 0); }
+  std::size_t run_bytes() const { return tiles_.run_count() * sizeof(Run); }
+  std::size_t sleeping_points() const {
+    std::size_t sum = 0;
+    for (int tile = 0; tile < tiles_.count(); ++tile)
       if (tiles_.sleeps(tile))
         tiles_.for_each_block(tile, [&](int, const Block& block) { sum += block.end - block.begin; });
     return sum;
@@ -226,6 +234,8 @@ class Solver {
  private:
   // What a run costs in a step, in points sorted.
   static constexpr std::int64_t points_per_run_cost = 3;
+  // How often the areas of transmitting faces are renewed.
+  static constexpr std::int64_t steps_per_area = 8;
 
   // The shape functions, and what the kernels compute with: a number at a time, or a pack.
   template <class ShapeOf, class Values>
@@ -312,17 +322,20 @@ class Solver {
     cpu::scatter_momentum<typename K::Shape, typename K::V>(points_, grid_.geometry, block, momentum);
   }
 
-  // The areas of the transmitting faces change with the points behind them, that is, slowly: once a sort.
+  // The areas of the transmitting faces change with the points behind them, that is, slowly. The steps at
+  // which they are renewed must not depend on how the points lie in memory: runs that mirror each other would
+  // differ.
   template <class K>
   void map_damping() {
-    if (!refresh_damping_) return;
-    refresh_damping_ = false;
+    const bool none = std::ranges::count(faces_, Face::transmitting) == 0;
+    if (cycle_ > 0 && (none || cycle_ % steps_per_area != 0)) return;
     std::fill(grid_.damping.begin(), grid_.damping.end(), Quad<T>{});
     tiles_.scatter_all(threads_, [&](int, const Block& block) {
       for_each_run(block, [&](const Run& run) {
-        add_damping<typename K::Shape>(points_, grid_, faces_, run, dampers_);
+        add_damping<typename K::Shape>(points_, grid_, faces_, run, dampers_, anchorage_);
       });
     });
+    anchorage_.renew();
     fold(grid_.geometry, faces_, grid_.damping, Mirrored::magnitudes);
     damped_.clear(), damped_row_.clear();
     const std::size_t row = grid_.geometry.nodes(2);
@@ -532,7 +545,7 @@ class Solver {
     tiles_.split(points_, grid_.geometry, K::Shape::support, threads_);
     tiles_.renew_spans();
     sorted_runs_ = std::int64_t(tiles_.run_count()), disorder_ = 0;
-    refresh_damping_ = true, mapped_ = false;
+    mapped_ = false;
     ++sorts_;
   }
 
@@ -579,6 +592,7 @@ class Solver {
   }
 
   Faces faces_;
+  Anchorage anchorage_;
   std::vector<Material<T>> materials_;
   std::vector<Damper<T>> dampers_;  // of each body
   Options options_;
@@ -589,6 +603,7 @@ class Solver {
   cpu::Tiles tiles_;
   cpu::Sorter<T> sorter_;
   std::optional<cpu::Contact<T>> contact_;
+  std::vector<std::uint8_t> flies_;      // of each body: whether transmitting faces let it pass
   std::vector<std::uint8_t> in_second_;  // of each body, with contact
   Timers timers_;
   std::vector<Audit> audits_;             // of each tile in the last stress update
@@ -599,7 +614,6 @@ class Solver {
   Array<Quad<T>> damped_after_;           // their velocities before contact
   std::size_t live_ = 0;
   std::int64_t sorted_runs_ = 0, disorder_ = 0;
-  bool refresh_damping_ = true;
   bool mapped_ = false;  // whether the points are in grid_.before already
   Audit audit_;          // of the whole run
   Audit extremes_;       // of the last stress update
