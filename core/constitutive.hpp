@@ -35,6 +35,9 @@ struct Material {
   PM_HD T shear_modulus() const {
     return strength.visit([](const auto& s) -> T { return s.shear_modulus; });
   }
+  PM_HD bool deviator_per_initial_volume() const {
+    return strength.visit([](const auto& s) { return s.per_initial_volume; });
+  }
   PM_HD T bulk_modulus() const {
     return eos.visit([](const auto& e) { return e.bulk_modulus(); });
   }
@@ -53,10 +56,16 @@ PM_HD V stress_work(const PointState<V>& point, const Sym3<V>& strain) {
 
 // Takes a point's volume and deviator through an elastic strain. Failed points have no deviator.
 template <class V, class T>
-PM_HD void strain_elastically(PointState<V>& point, const Strain<V>& strain, T shear_modulus) {
-  point.dilation += point.ratio() * strain.growth;
-  const auto s = rotate(point.deviator, strain.half_turn, strain.turn) +
-                 V(T(2) * shear_modulus) * deviator(strain.small);
+PM_HD void strain_elastically(const Material<T>& material, PointState<V>& point, const Strain<V>& strain) {
+  const V before = point.ratio();
+  point.dilation += before * strain.growth;
+  auto s = rotate(point.deviator, strain.half_turn, strain.turn);
+  auto change = V(T(2) * material.shear_modulus()) * deviator(strain.small);
+  if (material.deviator_per_initial_volume()) {
+    const V after = V(1) / point.ratio();
+    s = (before * after) * s, change = after * change;
+  }
+  s = s + change;
   point.deviator = select(point.damage < V(1), s, Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
 }
 
@@ -65,7 +74,7 @@ PM_HD void strain_elastically(PointState<V>& point, const Strain<V>& strain, T s
 template <class V, class T>
 PM_HD void follow_strain(const Material<T>& material, PointState<V>& point, const Strain<V>& strain) {
   point.energy += stress_work(point, strain.small);
-  strain_elastically(point, strain, material.shear_modulus());
+  strain_elastically(material, point, strain);
 }
 
 // The update of a pack of points of one material, in four stages: strain, return to the yield surface,
@@ -87,7 +96,7 @@ struct StressUpdate {
     if (old_share > T(0)) point.energy += old_share * stress_work(point, by.small);
     const V rate = absolute(trace(by.small)) * (T(1) / dt);
     tally.volumetric_rate = select(active, max(tally.volumetric_rate, rate), tally.volumetric_rate);
-    strain_elastically(point, by, material.shear_modulus());
+    strain_elastically(material, point, by);
     const V trial2 = effective_squared(point.deviator);
     return active && material.strength.visit(
                          [&](const auto& s) PM_INLINE { return s.may_yield(trial2, point.temperature); });

@@ -19,6 +19,7 @@ struct PlasticReturn {
 
 template <class T>
 struct JohnsonCook {
+  static constexpr bool per_initial_volume = false;  // yield bounds the deviator (simple.hpp)
   T shear_modulus, A, B, n, C, m, reference_rate;
   HomologousTemperature<T> homologous;
 

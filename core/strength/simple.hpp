@@ -1,4 +1,8 @@
 // Strength models without a yield surface: a linear elastic solid and a fluid.
+//
+// Nothing bounds the deviator s of an elastic solid, and one per current volume, ds = 2 G dev D, pays work
+// that depends on the path: shear, compress, shear back, expand, and energy is won. Per initial volume, tau =
+// s V/V0, dtau = 2 G dev D, the work tau : D dt is the change of tau : tau / 4G, whatever the path.
 #pragma once
 #include <string>
 
@@ -8,6 +12,7 @@ namespace pockmark {
 
 template <class T>
 struct Elastic {
+  static constexpr bool per_initial_volume = true;
   T shear_modulus;
 
   Elastic() = default;
@@ -27,6 +32,7 @@ struct Elastic {
 
 template <class T>
 struct Fluid {
+  static constexpr bool per_initial_volume = false;
   static constexpr T shear_modulus = T(0);
 
   Fluid() = default;
