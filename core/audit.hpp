@@ -18,10 +18,15 @@ enum class Counter {
   return_failures,       // radial return not converged
   node_cutoffs,          // nodes lighter than the cut-off: force scaled down
   strain_limited_steps,  // steps set by the strain increment, not by the fastest wave
+  // States that no material can be in: steps of a point.
+  negative_energies,      // less internal energy than at rest, by more than a hundredth of its heat there
+  negative_volumes,       // V <= 0
+  negative_temperatures,  // T < 0 K
 };
-inline constexpr std::array counter_names{"left_points",     "lost_points",        "failed_points",
-                                          "melted_points",   "failure_treatments", "eos_caps",
-                                          "return_failures", "node_cutoffs",       "strain_limited_steps"};
+inline constexpr std::array counter_names{"left_points",       "lost_points",        "failed_points",
+                                          "melted_points",     "failure_treatments", "eos_caps",
+                                          "return_failures",   "node_cutoffs",       "strain_limited_steps",
+                                          "negative_energies", "negative_volumes",   "negative_temperatures"};
 
 // Of one pack of points after another; added to an Audit every few hundred points.
 template <class V>

@@ -47,6 +47,7 @@ struct MaterialSpec {
     m.t_room = T(t_room), m.t_melt = T(t_melt);
     m.q_quadratic = T(q_quadratic), m.q_linear = T(q_linear);
     m.specific_volume = T(1) / m.density();
+    m.least_energy = T(-0.01) * m.density() * m.specific_heat * m.t_room;
     return m;
   }
 };
@@ -355,6 +356,16 @@ void bind_solver(nb::module_& m, const char* name) {
              nb::dict d;
              for (std::size_t i = 0; i < counter_names.size(); ++i)
                d[counter_names[i]] = s.solver.audit().counts[i];
+             return d;
+           })
+      // Of the points that are in an impossible state now: how many, and the corners of a box around them
+      // (m).
+      .def("impossible",
+           [](const S& s) {
+             nb::dict d;
+             for (const auto& [counter, where] : s.solver.impossible())
+               d[counter_names[std::size_t(counter)]] =
+                   nb::make_tuple(where.points, where.lower, where.upper);
              return d;
            })
       .def("max_compression", [](const S& s) { return s.solver.audit().compression; })

@@ -28,6 +28,7 @@ struct Material {
   T q_quadratic, q_linear;
 
   T specific_volume;  // 1/rho0
+  T least_energy;     // J per m^3 of initial volume: below it a point counts as impossible
 
   PM_HD T density() const {
     return eos.visit([](const auto& e) { return e.density; });
@@ -40,6 +41,11 @@ struct Material {
   }
   PM_HD T bulk_modulus() const {
     return eos.visit([](const auto& e) { return e.bulk_modulus(); });
+  }
+  // Whether the equation of state limits its compression at V/V0 = ratio.
+  PM_HD bool capped(T ratio) const {
+    const Compression<T> c{T(1) / ratio - T(1), T(1) - ratio, ratio};
+    return eos.visit([&](const auto& e) { return e.at(c).capped; });
   }
   PM_HD T dilatational_speed() const {
     return std::sqrt((bulk_modulus() + T(4) / T(3) * shear_modulus()) / density());
@@ -146,10 +152,15 @@ struct StressUpdate {
     const auto intact = point.damage < V(1);
     point.pressure = select(intact, p, max(p, V(0)));
     point.energy = known - work * point.pressure;
+    const auto no_energy = point.energy < V(material.least_energy), no_volume = ratio <= V(0);
+    if (any(no_energy || no_volume)) {
+      tally.count(Counter::negative_energies, active && no_energy);
+      tally.count(Counter::negative_volumes, active && no_volume);
+    }
     tally.viscous_work -= select(active, point.viscosity * opened * ratio * reference_volume, V(0));
 
     const T shear = T(4.0 / 3.0) * material.shear_modulus() * material.specific_volume;
-    return bulk_c2 + select(intact, shear * ratio, V(0));
+    return bulk_c2 + select(intact, material.deviator_per_initial_volume() ? V(shear) : shear * ratio, V(0));
   }
 
   // Damage and heat of a plastic increment. Points that fail lose their deviator and their tension.
@@ -167,6 +178,7 @@ struct StressUpdate {
     // Plastic work to heat: dT = chi sigma d eps / (rho C_p).
     const T heat = material.taylor_quinney * material.specific_volume / material.specific_heat;
     point.temperature += select(yields, heat * flow * plastic * point.ratio(), V(0));
+    tally.count(Counter::negative_temperatures, active && point.temperature < V(0));
     if (!may_fail) return;
     const auto melted = yields && V(material.t_melt) <= point.temperature;
     tally.count(Counter::melted_points, melted);

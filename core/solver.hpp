@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -213,6 +214,34 @@ class Solver {
   void for_each_point(F&& f) const {
     for (std::size_t p = 0; p < points_.size(); ++p)
       if (points_.cell[p] != gone) f(p);
+  }
+  // Points in one place: how many, and the corners of a box around them (m).
+  struct Gathering {
+    std::int64_t points = 0;
+    std::array<double, 3> lower{}, upper{};
+    void add(const Vec3<double>& x) {
+      for (int a = 0; a < 3; ++a) {
+        lower[a] = points ? std::min(lower[a], x[a]) : x[a];
+        upper[a] = points ? std::max(upper[a], x[a]) : x[a];
+      }
+      ++points;
+    }
+  };
+  // The points that are in a state that no material can be in now, by the counter of such steps.
+  std::map<Counter, Gathering> impossible() const {
+    std::map<Counter, Gathering> out;
+    for_each_point([&](std::size_t p) {
+      const auto point = points_.state(p);
+      const auto& m = materials_[points_.body[p]];
+      const auto note = [&](Counter counter, bool is_so) {
+        if (is_so) out[counter].add(position(p));
+      };
+      note(Counter::negative_energies, point.energy < m.least_energy);
+      note(Counter::negative_volumes, point.ratio() <= T(0));
+      note(Counter::negative_temperatures, point.temperature < T(0));
+      note(Counter::eos_caps, m.capped(point.ratio()));
+    });
+    return out;
   }
   double reference_volume(std::size_t p) const {
     return mass(p) * double(materials_[points_.body[p]].specific_volume);

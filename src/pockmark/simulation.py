@@ -110,6 +110,14 @@ class Simulation:
         """How often each clamp, floor and loss happened."""
         return dict(self._solver.counters())
 
+    def impossible(self) -> dict[str, tuple[int, list[float], list[float]]]:
+        """Count the points that are in an impossible state now.
+
+        The keys are those of the counters. Each value holds the number of points, and the lower and the upper corner of a
+        box around them, m.
+        """
+        return dict(self._solver.impossible())
+
     def timers(self) -> dict[str, float]:
         """Seconds spent in each phase of the step."""
         return dict(self._solver.timers())

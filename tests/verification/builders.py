@@ -55,8 +55,8 @@ def perfectly_plastic(shear, yield_stress):
     )
 
 
-def aluminium():
-    """Al 2024 of the paper, without failure."""
+def aluminium(failure=None):
+    """Al 2024 of the paper; without failure unless one is given."""
     strength = core.JohnsonCook(
         shear_modulus=SHEAR,
         A=265e6,
@@ -68,7 +68,7 @@ def aluminium():
         t_room=293.0,
         t_melt=775.0,
     )
-    return material(paper_eos(), strength, q=(1.5, 0.06))
+    return material(paper_eos(), strength, failure=failure, q=(1.5, 0.06))
 
 
 def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, lanes=None):
