@@ -16,11 +16,14 @@ struct Meeting {
   Vec3<T> normal{};  // out of the first body (18)
   // How far (m) each body reaches beyond the node: the first along the normal, the second against it.
   T reach[2] = {std::numeric_limits<T>::lowest() / 4, std::numeric_limits<T>::lowest() / 4};
+  T closing{};  // approach (m/s) that closes the gap between them by the end of the step (19)
   // Impulses of the first body on the second (kg m/s): what the points feel, and twice the mean of what makes
   // the nodal velocities that strain and move them compatible (20).
   Vec3<T> impulse{}, twice_fitted{};
 
-  PM_HD bool touches() const { return reach[0] + reach[1] >= T(0); }
+  // Judges contact by where the bodies will be. No sign of a gap decides anything: an impulse goes to zero with
+  // what it hinders.
+  PM_HD void allow_closing(T dt) { closing = max(-(reach[0] + reach[1]), T(0)) / dt; }
 };
 
 template <class T>
@@ -29,17 +32,18 @@ PM_HD Vec3<T> unit(const Vec3<T>& a) {
   return length > T(0) ? (T(1) / length) * a : Vec3<T>{};
 }
 
-// Ends the bodies' approach and, with no more than `friction` times that impulse, their sliding (20).
+// Ends the bodies' approach beyond `closing` and, with no more than `friction` times that impulse, their
+// sliding (20).
 template <class T>
 PM_HD Vec3<T> contact_impulse(const Vec3<T>& first, const Vec3<T>& second, T first_mass, T second_mass,
-                              const Vec3<T>& normal, T friction) {
+                              const Vec3<T>& normal, T closing, T friction) {
   const Vec3<T> relative = first - second;
-  const T approach = dot(relative, normal);
-  if (!(approach > T(0))) return {};
+  const T approach = dot(relative, normal), excess = approach - closing;
+  if (!(excess > T(0))) return {};
   const Vec3<T> sliding = relative - approach * normal;
-  const T speed = root(dot(sliding, sliding)), most = friction * approach;
+  const T speed = root(dot(sliding, sliding)), most = friction * excess;
   const T reduced_mass = first_mass * (second_mass / (first_mass + second_mass));
-  return reduced_mass * (approach * normal + (speed > most ? most / speed : T(1)) * sliding);
+  return reduced_mass * (excess * normal + (speed > most ? most / speed : T(1)) * sliding);
 }
 
 // Extends the reach of a run's body at the nodes where it meets another (19). `at(node)` is the meeting at a

@@ -398,7 +398,7 @@ class Solver {
 
   template <class K>
   void meet() {
-    contact_->template find<typename K::Shape, typename K::V>(points_, grid_, tiles_, threads_,
+    contact_->template find<typename K::Shape, typename K::V>(points_, grid_, tiles_, threads_, T(dt_),
                                                               [&](std::size_t p) { return T(volume(p)); });
     fit(grid_.before);
   }

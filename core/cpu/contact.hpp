@@ -19,9 +19,10 @@ class Contact {
       if (face == Face::fixed) face = Face::symmetry;
   }
 
-  // Finds where the bodies touch at the start of a step.
+  // Finds where the bodies meet, and how far apart they are there, at the start of a step of `dt` (s).
   template <class Shape, class V, class Volume>
-  void find(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, Volume&& volume) {
+  void find(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, T dt,
+            Volume&& volume) {
     find_meetings(grid, tiles, threads);
     if (meetings_.empty()) return;
     orient<Shape, V>(points, grid, tiles, threads, volume);
@@ -30,18 +31,17 @@ class Contact {
         add_reach<Shape>(points, grid.geometry, run, [&](std::size_t node) { return at(node); }, volume);
       });
     });
+    for (Meeting<T>& meeting : meetings_) meeting.allow_closing(dt);
   }
 
   // Takes the approach of touching bodies out of a nodal velocity. The points keep theirs.
   void fit(const Grid<T>& grid, Array<Quad<T>>& velocity) {
-    for (Meeting<T>& meeting : meetings_)
-      if (meeting.touches()) meeting.twice_fitted += exchange(grid, meeting, velocity, T(0));
+    for (Meeting<T>& meeting : meetings_) meeting.twice_fitted += exchange(grid, meeting, velocity, T(0));
   }
 
   // Changes the velocities after the forces acted: no approach, and friction.
   void press(Grid<T>& grid) {
-    for (Meeting<T>& meeting : meetings_)
-      if (meeting.touches()) meeting.impulse = exchange(grid, meeting, grid.after, friction_);
+    for (Meeting<T>& meeting : meetings_) meeting.impulse = exchange(grid, meeting, grid.after, friction_);
   }
 
   // Kinetic energy (J) that the last step took from the points and paid no stress with: `final` is the
@@ -117,7 +117,7 @@ class Contact {
     Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
     const T first_mass = grid.mass(m.node), second_mass = grid.mass(second_ + m.node);
     const auto impulse =
-        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, friction);
+        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, m.closing, friction);
     first.set_vector(first.vector() - (T(1) / first_mass) * impulse);
     second.set_vector(second.vector() + (T(1) / second_mass) * impulse);
     return impulse;
