@@ -32,6 +32,35 @@ PM_HD Vec3<T> unit(const Vec3<T>& a) {
   return length > T(0) ? (T(1) / length) * a : Vec3<T>{};
 }
 
+// Adds to the nodes, for each point of a run, its volume times the slope of their shape function (m^2 times the
+// cell) and, as the fourth number, times the function.
+template <class Shape, class T, class Volume>
+void add_surface(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
+                 Array<Quad<T>>& nodes, Volume&& volume) {
+  Patch<Shape, T> patch;
+  for (std::size_t p = run.begin; p < run.end; ++p) {
+    const Stencil<Shape, T> n(points.vector(Field::place, p), T(1));
+    const auto &w = n.w, &g = n.g;
+    const T v = T(volume(p));
+    Patch<Shape, T>::for_each([&](int i, int j, int k) {
+      add_scaled(patch.at[i][j][k], v,
+                 Quad<T>{{g[0][i] * w[1][j] * w[2][k], w[0][i] * g[1][j] * w[2][k], w[0][i] * w[1][j] * g[2][k],
+                          n.weight(i, j, k)}});
+    });
+  }
+  patch.add_to(grid, run, nodes);
+}
+
+// The first body's outward normal (18), from what add_surface() found of each. The second body's surface helps
+// where a node lies within the first: there the first's own gradient is the small difference of what lies on
+// both sides, and may point the wrong way.
+template <class T>
+PM_HD Vec3<T> contact_normal(const Quad<T>& first, const Quad<T>& second) {
+  const Vec3<T> own = first.vector();
+  const T within = max(T(1) - root(dot(own, own)) / first.v[3], T(0));
+  return unit(own - within * second.vector());
+}
+
 // Ends the bodies' approach beyond `closing` and, with no more than `friction` times that impulse, their
 // sliding (20).
 template <class T>
