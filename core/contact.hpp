@@ -16,11 +16,14 @@ struct Meeting {
   Vec3<T> normal{};  // out of the first body (18)
   // How far (m) each body reaches beyond the node: the first along the normal, the second against it.
   T reach[2] = {std::numeric_limits<T>::lowest() / 4, std::numeric_limits<T>::lowest() / 4};
+  T closing{};  // approach (m/s) that closes the gap between them by the end of the step (19)
   // Impulses of the first body on the second (kg m/s): what the points feel, and twice the mean of what makes
   // the nodal velocities that strain and move them compatible (20).
   Vec3<T> impulse{}, twice_fitted{};
 
-  PM_HD bool touches() const { return reach[0] + reach[1] >= T(0); }
+  // Judges contact by where the bodies will be. No sign of a gap decides anything: an impulse goes to zero with
+  // what it hinders.
+  PM_HD void allow_closing(T dt) { closing = max(-(reach[0] + reach[1]), T(0)) / dt; }
 };
 
 template <class T>
@@ -29,17 +32,47 @@ PM_HD Vec3<T> unit(const Vec3<T>& a) {
   return length > T(0) ? (T(1) / length) * a : Vec3<T>{};
 }
 
-// Ends the bodies' approach and, with no more than `friction` times that impulse, their sliding (20).
+// Adds to the nodes, for each point of a run, its volume times the slope of their shape function (m^2 times the
+// cell) and, as the fourth number, times the function.
+template <class Shape, class T, class Volume>
+void add_surface(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
+                 Array<Quad<T>>& nodes, Volume&& volume) {
+  Patch<Shape, T> patch;
+  for (std::size_t p = run.begin; p < run.end; ++p) {
+    const Stencil<Shape, T> n(points.vector(Field::place, p), T(1));
+    const auto &w = n.w, &g = n.g;
+    const T v = T(volume(p));
+    Patch<Shape, T>::for_each([&](int i, int j, int k) {
+      add_scaled(patch.at[i][j][k], v,
+                 Quad<T>{{g[0][i] * w[1][j] * w[2][k], w[0][i] * g[1][j] * w[2][k], w[0][i] * w[1][j] * g[2][k],
+                          n.weight(i, j, k)}});
+    });
+  }
+  patch.add_to(grid, run, nodes);
+}
+
+// The first body's outward normal (18), from what add_surface() found of each. The second body's surface helps
+// where a node lies within the first: there the first's own gradient is the small difference of what lies on
+// both sides, and may point the wrong way.
+template <class T>
+PM_HD Vec3<T> contact_normal(const Quad<T>& first, const Quad<T>& second) {
+  const Vec3<T> own = first.vector();
+  const T within = max(T(1) - root(dot(own, own)) / first.v[3], T(0));
+  return unit(own - within * second.vector());
+}
+
+// Ends the bodies' approach beyond `closing` and, with no more than `friction` times that impulse, their
+// sliding (20).
 template <class T>
 PM_HD Vec3<T> contact_impulse(const Vec3<T>& first, const Vec3<T>& second, T first_mass, T second_mass,
-                              const Vec3<T>& normal, T friction) {
+                              const Vec3<T>& normal, T closing, T friction) {
   const Vec3<T> relative = first - second;
-  const T approach = dot(relative, normal);
-  if (!(approach > T(0))) return {};
+  const T approach = dot(relative, normal), excess = approach - closing;
+  if (!(excess > T(0))) return {};
   const Vec3<T> sliding = relative - approach * normal;
-  const T speed = root(dot(sliding, sliding)), most = friction * approach;
+  const T speed = root(dot(sliding, sliding)), most = friction * excess;
   const T reduced_mass = first_mass * (second_mass / (first_mass + second_mass));
-  return reduced_mass * (approach * normal + (speed > most ? most / speed : T(1)) * sliding);
+  return reduced_mass * (excess * normal + (speed > most ? most / speed : T(1)) * sliding);
 }
 
 // Extends the reach of a run's body at the nodes where it meets another (19). `at(node)` is the meeting at a

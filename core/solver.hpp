@@ -461,8 +461,8 @@ class Solver {
 
   template <class K>
   void meet() {
-    contact_->template find<typename K::Shape, typename K::V>(points_, grid_, tiles_, threads_,
-                                                              [&](std::size_t p) { return T(volume(p)); });
+    contact_->template find<typename K::Shape>(points_, grid_, tiles_, threads_, T(dt_),
+                                               [&](std::size_t p) { return T(volume(p)); });
     fit(grid_.before);
   }
   void fit(Array<Quad<T>>& velocity) {

@@ -4,7 +4,6 @@
 
 #include "../boundary.hpp"
 #include "../contact.hpp"
-#include "scatter.hpp"
 #include "tiles.hpp"
 
 namespace pockmark::cpu {
@@ -19,29 +18,29 @@ class Contact {
       if (face == Face::fixed) face = Face::symmetry;
   }
 
-  // Finds where the bodies touch at the start of a step.
-  template <class Shape, class V, class Volume>
-  void find(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, Volume&& volume) {
+  // Finds where the bodies meet, and how far apart they are there, at the start of a step of `dt` (s).
+  template <class Shape, class Volume>
+  void find(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, T dt,
+            Volume&& volume) {
     find_meetings(grid, tiles, threads);
     if (meetings_.empty()) return;
-    orient<Shape, V>(points, grid, tiles, threads, volume);
+    orient<Shape>(points, grid, tiles, threads, volume);
     tiles.scatter(threads, [&](int, const Block& block) {
       for_each_run(block, [&](const Run& run) {
         add_reach<Shape>(points, grid.geometry, run, [&](std::size_t node) { return at(node); }, volume);
       });
     });
+    for (Meeting<T>& meeting : meetings_) meeting.allow_closing(dt);
   }
 
   // Takes the approach of touching bodies out of a nodal velocity. The points keep theirs.
   void fit(const Grid<T>& grid, Array<Quad<T>>& velocity) {
-    for (Meeting<T>& meeting : meetings_)
-      if (meeting.touches()) meeting.twice_fitted += exchange(grid, meeting, velocity, T(0));
+    for (Meeting<T>& meeting : meetings_) meeting.twice_fitted += exchange(grid, meeting, velocity, T(0));
   }
 
   // Changes the velocities after the forces acted: no approach, and friction.
   void press(Grid<T>& grid) {
-    for (Meeting<T>& meeting : meetings_)
-      if (meeting.touches()) meeting.impulse = exchange(grid, meeting, grid.after, friction_);
+    for (Meeting<T>& meeting : meetings_) meeting.impulse = exchange(grid, meeting, grid.after, friction_);
   }
 
   // Kinetic energy (J) that the last step took from the points and paid no stress with: `final` is the
@@ -80,35 +79,33 @@ class Contact {
       }
   }
 
-  // Whether a block of the first field touches a node where it meets the second.
+  // Whether a block touches a node where the bodies meet.
   template <class Shape>
   bool meets(const GridGeometry<T>& grid, const Block& block) const {
     bool any = false;
     for_each_run(block, [&](const Run& run) {
-      Patch<Shape, T>::for_each(
-          [&](int i, int j, int k) { any = any || slot_[run.node + grid.index(i, j, k)] != none; });
+      const std::size_t node = run.node - grid.field_of(run.node);
+      Patch<Shape, T>::for_each([&](int i, int j, int k) {
+        any = any || slot_[node + grid.index(i, j, k)] != none;
+      });
     });
     return any;
   }
 
-  // The normal is the first body's, the target's (18): an edge of the second would tilt a common one, and
-  // plough. The sum of V grad N is what a pressure of one would exert; it is taken where the velocities will
-  // be mapped back later in the step.
-  template <class Shape, class V, class Volume>
+  // Finds the normals. The surfaces are taken where the velocities will be mapped back later in the step.
+  template <class Shape, class Volume>
   void orient(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, Volume&& volume) {
-    auto& outward = grid.remapped;
+    auto& surface = grid.remapped;
     tiles.scatter(threads, [&](int, const Block& block) {
-      if (block.runs[0].node >= second_ || !meets<Shape>(grid.geometry, block)) return;
-      Columns<T, 6> push{};
-      for (std::size_t p = block.begin; p < block.end; ++p)
-        for (int c = 0; c < 3; ++c) push.store(c, p - block.begin, volume(p));
-      scatter_force<Shape, V>(points, grid.geometry, block, push, outward);
+      if (!meets<Shape>(grid.geometry, block)) return;
+      for_each_run(block,
+                   [&](const Run& run) { add_surface<Shape>(points, grid.geometry, run, surface, volume); });
     });
-    fold(grid.geometry, mirrors_, outward, Mirrored::vector);
-    constrain(grid.geometry, mirrors_, outward);
-    for (Meeting<T>& m : meetings_) m.normal = unit(outward[m.node].vector());
+    fold(grid.geometry, mirrors_, surface, Mirrored::vector);
+    constrain(grid.geometry, mirrors_, surface);
+    for (Meeting<T>& m : meetings_) m.normal = contact_normal(surface[m.node], surface[second_ + m.node]);
     tiles.for_each_line(grid.geometry, threads, false, [&](int, std::size_t begin, std::size_t end) {
-      std::fill(outward.begin() + begin, outward.begin() + end, Quad<T>{});
+      std::fill(surface.begin() + begin, surface.begin() + end, Quad<T>{});
     });
   }
 
@@ -117,7 +114,7 @@ class Contact {
     Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
     const T first_mass = grid.mass(m.node), second_mass = grid.mass(second_ + m.node);
     const auto impulse =
-        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, friction);
+        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, m.closing, friction);
     first.set_vector(first.vector() - (T(1) / first_mass) * impulse);
     second.set_vector(second.vector() + (T(1) / second_mass) * impulse);
     return impulse;

@@ -72,9 +72,9 @@ def test_equal_bars_exchange_velocities_the_better_the_finer():
         right, error = rebound(length)
         lost.append(1 - right)
         assert abs(error) < 1e-13
-    assert lost[0] < 0.2
-    assert lost[1] < 0.65 * lost[0]  # first order
-    assert lost[2] < 0.65 * lost[1]
+    assert lost[0] < 0.12
+    assert lost[1] < 0.07
+    assert lost[2] < 0.65**2 * lost[0]  # what is left is vibration: a front in a grid is h^(2/3) wide
 
 
 @pytest.mark.parametrize("scheme", ["usf", "musl"])
