@@ -103,10 +103,9 @@ def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D):
     else:
         R = np.linalg.solve(one - DT * W / 2, one + DT * W / 2)
         change = 2 * shear * DT * (rate - np.trace(rate) / 3 * one)
-        if jc is None:  # elastic: per initial volume
-            s = (R @ s @ R.T * state[0] / V0_ + change) / (volume / V0_)
-        else:
-            s = R @ s @ R.T + change
+        # Elastic: per initial volume.
+        before, after = (state[0] / V0_, volume / V0_) if jc is None else (1.0, 1.0)
+        s = (R @ s @ R.T * before + change) / after
         trial = von_mises(s)
         if jc is not None and trial > flow_stress(eps, 0, temperature, jc):
             increment = (
