@@ -1,0 +1,176 @@
+"""An impact is the same mirrored, turned, and divided by its planes of symmetry: point by point, to rounding."""
+
+import numpy as np
+import pytest
+from builders import FREE, RHO, SYMMETRY, TRANSMITTING, aluminium, core, lattice, options
+
+H = 4e-6
+STEPS = 60  # through impact, failure of points, several renewals of the faces' areas
+UNSTABLE_STEPS = 30  # USL strains by the velocities of slivers of mass: it makes any rounding large
+SPEED = 3000.0
+SCHEMES = [
+    ("usf", "trilinear", False),
+    ("musl", "trilinear", False),
+    ("usl", "trilinear", False),
+    ("usavg", "trilinear", False),
+    ("usavg", "quadratic", False),
+    ("usavg", "trilinear", True),
+    ("usavg", "quadratic", True),
+]
+WAYS = pytest.mark.parametrize(("scheme", "shape", "contact"), SCHEMES)
+# In the frame of the impact, z out of the target: the lower and upper faces of x, y, z.
+OPEN = {"x": (TRANSMITTING, TRANSMITTING), "y": (TRANSMITTING, TRANSMITTING), "z": (TRANSMITTING, FREE)}
+CELLS = np.array([6, 6, 5])  # of the target, each way from the middle and down
+ROOM = 4  # cells above it
+
+
+def scene_points():
+    """Positions (n, 3) of a block below z = 0 and of a ball that rests on it, and which are the ball's."""
+    block = lattice(
+        (-CELLS[0] * H, -CELLS[1] * H, -CELLS[2] * H), (4 * CELLS[0], 4 * CELLS[1], 2 * CELLS[2]), H / 2
+    )
+    ball = lattice((-2 * H, -2 * H, 0.0), (16, 16, 16), H / 4)
+    ball = ball[((ball - [0, 0, 2 * H]) ** 2).sum(axis=1) < (2 * H) ** 2]
+    return np.concatenate([block, ball]), np.r_[np.zeros(len(block), int), np.ones(len(ball), int)]
+
+
+def aluminium_that_fails():
+    failure = core.JohnsonCookFailure(
+        D1=0.13, D2=0.13, D3=-1.5, D4=0.011, D5=0.0, reference_rate=1.0, t_room=293.0, t_melt=775.0,
+        treatment=core.FailureTreatment.floor, floor=1e-3, triaxiality_min=-1.5, triaxiality_max=1 / 3,
+    )  # fmt: skip
+    return aluminium(failure)
+
+
+def run(axes, signs, way, *, degrees=0.0, kept=(False, False)):
+    """The state by point of an impact whose axis a lies along signs[a] times axis axes[a] of the grid.
+
+    `degrees` of obliquity are towards x. `kept`: only x > 0, only y > 0 is computed, before a mirror.
+    """
+    scheme, shape, contact = way
+    x, body = scene_points()
+    there = np.all([x[:, a] > 0 for a in range(2) if kept[a]], axis=0) if any(kept) else np.ones(len(x), bool)
+    velocity = np.array([np.sin(np.radians(degrees)), 0.0, -np.cos(np.radians(degrees))]) * SPEED
+    lower, upper = -CELLS * 1.0, np.array([CELLS[0], CELLS[1], ROOM + 0.0])
+    faces = [list(OPEN[name]) for name in "xyz"]
+    for a in range(2):
+        if kept[a]:
+            lower[a], faces[a][0] = 0.0, SYMMETRY
+
+    def turned(vectors):
+        out = np.zeros_like(vectors)
+        for a in range(3):
+            out[..., axes[a]] = signs[a] * vectors[..., a]
+        return out
+
+    corners = np.sort(turned(np.array([lower, upper])), axis=0)
+    grid_faces = [None] * 6
+    for a in range(3):
+        pair = faces[a] if signs[a] > 0 else faces[a][::-1]
+        grid_faces[2 * axes[a]], grid_faces[2 * axes[a] + 1] = pair
+    s = core.Solver(
+        lower=tuple(corners[0] * H),
+        cell=H,
+        cells=tuple(round(n) for n in corners[1] - corners[0]),
+        faces=grid_faces,
+        materials=[aluminium_that_fails()] * 2,
+        options=options(scheme, shape),
+        threads=1,
+    )
+    s.let_fly([False, True])
+    if contact:
+        s.set_contact([0, 1], 0.3)
+    for b, pitch in enumerate((H / 2, H / 4)):
+        chosen = there & (body == b)
+        n = int(chosen.sum())
+        v = turned(np.broadcast_to(velocity if b else np.zeros(3), (n, 3)).astype(float))
+        volume = np.full(n, pitch**3)
+        s.add_points(
+            position=np.ascontiguousarray(turned(x[chosen])),
+            velocity=np.ascontiguousarray(v),
+            mass=RHO * volume,
+            volume=volume,
+            body=np.full(n, b, dtype=np.uint8),
+        )
+    s.initialize()
+    s.advance(UNSTABLE_STEPS if scheme == "usl" else STEPS, 1.0)
+    ids = np.flatnonzero(there)[s.field("id")]
+    back = lambda v: v[:, list(axes)] * np.array(signs)  # noqa: E731
+    state = {
+        "place": back(s.field("position")) / H,
+        "velocity": back(s.field("velocity")) / SPEED,
+        "pressure": s.field("pressure")[:, None] / 1e10,
+        "energy": s.field("energy")[:, None] / 1e10,
+        "damage": np.minimum(s.field("damage"), 1.0)[:, None],
+    }
+    return ids, state, s
+
+
+def difference(one, other, flip=None):
+    """The largest difference of two runs in the points that both have; `flip`: the other is the mirror image along an axis."""
+    (ids, state, _), (other_ids, other_state, _) = one, other
+    if flip is not None:
+        x, body = scene_points()
+        key = lambda y: [tuple(row) for row in np.round(np.c_[y / H * 64, body * 1e6]).astype(int)]  # noqa: E731
+        image = x.copy()
+        image[:, flip] *= -1
+        number = {k: i for i, k in enumerate(key(x))}
+        other_ids = np.array([number[k] for k in key(image)])[other_ids]
+        other_state = {name: v.copy() for name, v in other_state.items()}
+        for name in ("place", "velocity"):
+            other_state[name][:, flip] *= -1
+    common, mine, others = np.intersect1d(ids, other_ids, return_indices=True)
+    assert len(common) == min(len(ids), len(other_ids))
+    return max(float(np.abs(state[name][mine] - other_state[name][others]).max()) for name in state)
+
+
+def told(name, way, worst, s):
+    print(
+        f"{name}, {way}: largest difference {worst:.1e}; {s.sorts} sorts, {s.counters()['failed_points']} points failed"
+    )
+    assert s.counters()["failed_points"] > 0
+    assert s.ledger()["absorbed"] > 1e-4 * s.ledger()["initial"]
+    assert worst < 1e-7
+
+
+AS_IT_IS = ((0, 1, 2), (1, 1, 1))
+
+
+@WAYS
+@pytest.mark.parametrize("degrees", [0.0, 30.0])
+def test_mirrored(scheme, shape, contact, degrees):
+    """The same impact with x to the other side, and with z downwards."""
+    way = (scheme, shape, contact)
+    base = run(*AS_IT_IS, way, degrees=degrees)
+    for signs in ((-1, 1, 1), (1, -1, 1), (1, 1, -1)):
+        told(f"mirrored {signs}", way, difference(base, run((0, 1, 2), signs, way, degrees=degrees)), base[2])
+
+
+@WAYS
+@pytest.mark.parametrize("degrees", [0.0, 30.0])
+def test_turned(scheme, shape, contact, degrees):
+    """The surface looks along x, along y, and the projectile comes along y."""
+    way = (scheme, shape, contact)
+    base = run(*AS_IT_IS, way, degrees=degrees)
+    for axes in ((1, 2, 0), (2, 0, 1), (1, 0, 2)):
+        told(f"turned {axes}", way, difference(base, run(axes, (1, 1, 1), way, degrees=degrees)), base[2])
+
+
+@WAYS
+def test_divided(scheme, shape, contact):
+    """A quarter and a half have the points of the whole; an oblique half too."""
+    way = (scheme, shape, contact)
+    whole = run(*AS_IT_IS, way)
+    for kept in ((True, False), (False, True), (True, True)):
+        told(f"kept {kept}", way, difference(whole, run(*AS_IT_IS, way, kept=kept)), whole[2])
+    oblique = run(*AS_IT_IS, way, degrees=30.0)
+    half = run(*AS_IT_IS, way, degrees=30.0, kept=(False, True))
+    told("oblique half", way, difference(oblique, half), oblique[2])
+
+
+@WAYS
+def test_a_symmetric_impact_stays_symmetric(scheme, shape, contact):
+    way = (scheme, shape, contact)
+    whole = run(*AS_IT_IS, way)
+    for axis in (0, 1):
+        told(f"about {'xy'[axis]} = 0", way, difference(whole, whole, flip=axis), whole[2])
