@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from . import __version__, results
 from .bodies import Block, Swarm
 from .errors import PockmarkError
-from .lattice import count
+from .forecast import MIN_CELLS_ACROSS, cells_across, is_too_coarse
+from .lattice import count, point_volume
 from .morphology import Group, measure_group
 from .plots import HISTORY_COLUMNS, Cast, history_figure, process_figure, slice_figure
 from .scene import Scene
@@ -36,9 +37,23 @@ MEASURED = {
 
 
 def run_scene(
-    scene: Scene, path: str | Path, *, threads: int | None = None, force: bool = False, progress: bool = True
+    scene: Scene,
+    path: str | Path,
+    *,
+    threads: int | None = None,
+    force: bool = False,
+    progress: bool = True,
+    coarse: bool = False,
 ) -> tuple[RunFolder, bool]:
-    """Run a scene into a folder. Returns the folder and whether the run was finished (not interrupted)."""
+    """Run a scene into a folder. Returns the folder and whether the run was finished (not interrupted).
+
+    Raises PockmarkError, too, where fewer than four cells lie across a projectile, unless `coarse` allows it.
+    """
+    if is_too_coarse(scene) and not coarse:
+        raise PockmarkError(
+            f"grid.cell: {scene.grid.cell * 1e6:.4g} um puts {cells_across(scene):.3g} cells across the projectile, at least "
+            f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
+        )
     with heard_between_steps() as stop_if_asked:
         simulation = Simulation(scene, threads)
         stop_if_asked()  # before `force` replaces a run
@@ -159,7 +174,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         mirrors=scene.mirrors,
     )
     if group := group_of(surface, scene):
-        table["group"] = results.group_table(group, oblique=scene.impact.angle > 0)
+        table["group"] = results.group_table(group, oblique=scene.impact.angle != 0)
     table["ejecta"] = results.ejecta_table(
         snapshot,
         ledger,
@@ -204,7 +219,8 @@ def group_of(surface: Surface | None, scene: Scene) -> Group | None:
     if not swarms or surface is None:
         return None
     centers = np.array(swarms[0].centers)
-    hits = centers[:, :2] + np.outer(centers[:, 2], [math.tan(scene.impact.angle), 0.0])
+    x, y, z = scene.impact.velocity
+    hits = centers[:, :2] + np.outer(centers[:, 2], [x / -z, y / -z] if z else [0.0, 0.0])
     for mirror in scene.mirrors:
         hits = with_image(hits, mirror)
     return measure_group(surface, hits, swarms[0].distance)
@@ -258,14 +274,14 @@ def _target_spacing(scene: Scene) -> float:
 def _projectile_mass(scene: Scene) -> float:
     """Mass of the projectiles' points at the start, kg, of what is computed."""
     bodies = [scene.body[i] for i in scene.projectiles]
-    return sum(count(b, scene.grid.box) * b.spacing**3 * scene.materials[b.material].density for b in bodies)
+    return sum(
+        count(b, scene.grid.box) * point_volume(b) * scene.materials[b.material].density for b in bodies
+    )
 
 
 def _projectile_diameter(scene: Scene) -> float:
-    """Diameter of the first projectile as it was discretised, m; 0 without one."""
+    """Diameter of the first projectile, a block's height, as its points fill it, m; 0 without one."""
     if not scene.projectiles:
         return 0.0
     body = scene.body[scene.projectiles[0]]
-    if not isinstance(body, Block):
-        return 2 * body.balls[0].reach * body.spacing
-    return body.upper[2] - body.lower[2]
+    return body.fits[2].length if isinstance(body, Block) else 2 * body.fit.length
