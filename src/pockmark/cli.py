@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from . import __version__
@@ -64,6 +65,8 @@ def run(
         console.print(f"{expected.points:,} points, {expected.cells:,} cells, about {expected.steps:,} steps")
         if expected.cells_across is not None:
             console.print(f"{expected.cells_across:.3g} cells across the projectile")
+        for warning in expected.warnings:
+            console.print(f"[yellow]warning:[/yellow] {escape(warning)}")
     # What Ctrl-C leaves of the run is measured and drawn, however often it is pressed.
     with heard_between_steps():
         folder, finished = run_scene(
@@ -97,7 +100,7 @@ def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -
     table.add_row("time, about", f"{expected.seconds:,.0f} s on {thread_count(threads)} threads")
     console.print(table)
     for warning in expected.warnings:
-        console.print(f"[yellow]warning:[/yellow] {warning}")
+        console.print(f"[yellow]warning:[/yellow] {escape(warning)}")
 
 
 @app.command()

@@ -19,7 +19,6 @@ BYTES_PER_NODE = 132
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
 MIN_CELLS_ACROSS, ENOUGH_CELLS_ACROSS = 4, 10  # of the grid across the projectile's diameter
-SETTLING = 3.0  # a crater is settled after so many times its depth over sqrt(Y/rho) of the target (docs/metrology.md)
 FRAME_SPEED = (
     3000.0  # m/s: below it a plane shock with trilinear functions depends on the frame (docs/theory.md)
 )
@@ -216,9 +215,9 @@ def predicted_depth(scene: Scene, target: Material) -> float | None:
 
 
 def settling_time(depth: float, target: Material) -> float:
-    """Time (s) after which a crater of this depth (m) no longer grows: what stops it is the strength."""
+    """Time (s) that a crater of this depth (m) takes to settle: depth sqrt(rho/Y), as the target's strength stops it."""
     assert isinstance(target.strength, JohnsonCook)
-    return SETTLING * depth / math.sqrt(target.strength.A / target.density)
+    return depth * math.sqrt(target.density / target.strength.A)
 
 
 def _arrival(scene: Scene) -> float:

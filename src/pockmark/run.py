@@ -155,7 +155,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     snapshot = folder.last_snapshot()
     field = _field(snapshot, scene)
     surface = _surface(field)
-    crater, mass = results.crater_of(surface), _projectile_mass(scene)
+    crater, mass = results.crater_of(surface, scene.impact.heading), _projectile_mass(scene)
     table = results.result_table(
         crater,
         float(snapshot["time"][0]),
@@ -172,9 +172,12 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         projectile_mass=mass,
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,
+        heading=scene.impact.heading,
     )
     if group := group_of(surface, scene):
-        table["group"] = results.group_table(group, oblique=scene.impact.angle != 0)
+        table["group"] = results.group_table(
+            group, oblique=scene.impact.angle != 0, heading=scene.impact.heading
+        )
     table["ejecta"] = results.ejecta_table(
         snapshot,
         ledger,
@@ -200,6 +203,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
             snapshot,
             _cast(scene),
             plane=_slice_plane(scene),
+            across=_slice_axis(scene),
             spacing=_target_spacing(scene),
             crater=results.crater_of(_surface(_field(snapshot, scene))),
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
@@ -237,7 +241,13 @@ def plot_process(path: str | Path) -> Figure:
     folder = RunFolder.open(path)
     scene = folder.scene()
     snapshots = map(Snapshot, folder.snapshots()[-4:])
-    return process_figure(snapshots, _cast(scene), plane=_slice_plane(scene), spacing=_target_spacing(scene))
+    return process_figure(
+        snapshots,
+        _cast(scene),
+        plane=_slice_plane(scene),
+        across=_slice_axis(scene),
+        spacing=_target_spacing(scene),
+    )
 
 
 def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:
@@ -257,14 +267,21 @@ def _cast(scene: Scene) -> Cast:
     return Cast([body.name for body in scene.body], scene.projectiles)
 
 
+def _slice_axis(scene: Scene) -> int:
+    """The axis across the picture's slice: y, or x where the projectiles move rather along y."""
+    x, y = scene.impact.heading
+    return 1 if abs(x) >= abs(y) else 0
+
+
 def _slice_plane(scene: Scene) -> float:
-    """The y of the picture's slice, m: a symmetry plane, or else through the first projectile."""
+    """Where the picture's slice lies on that axis, m: at a symmetry plane, or else through the first projectile."""
+    axis = _slice_axis(scene)
     for mirror in scene.mirrors:
-        if mirror.axis == 1:
+        if mirror.axis == axis:
             return mirror.at
     if scene.projectiles:
-        return scene.body[scene.projectiles[0]].axis[1]
-    return (scene.grid.lower[1] + scene.grid.corner[1]) / 2
+        return scene.body[scene.projectiles[0]].axis[axis]
+    return (scene.grid.lower[axis] + scene.grid.corner[axis]) / 2
 
 
 def _target_spacing(scene: Scene) -> float:
