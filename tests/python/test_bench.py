@@ -31,7 +31,15 @@ def test_a_scheme_that_blows_up_is_told_in_a_sentence():
     done = subprocess.run(
         [
             *command,
-            *(f"--set={key}" for key in ("numerics.scheme=usl", "impact.speed=14 km/s", "numerics.cfl=1")),
+            *(
+                f"--set={key}"
+                for key in (
+                    "numerics.scheme=usl",
+                    "impact.speed=14 km/s",
+                    "numerics.cfl=1",
+                    "numerics.strain_limit=1",
+                )
+            ),
         ],
         capture_output=True,
         text=True,
