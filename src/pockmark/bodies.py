@@ -1,4 +1,4 @@
-"""Bodies of a scene: their shapes and whether they overlap."""
+"""Bodies of a scene: their shapes, how points fill them, and whether they overlap."""
 
 import math
 from abc import abstractmethod
@@ -6,22 +6,48 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Annotated, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
+from scipy.spatial import KDTree
 
 from .materials import Model
 from .placement import at_random, on_lattice, sphere_diameter
 from .units import ArealDensity, Length
 
 Vector = tuple[Length, Length, Length]
+NOISE = 1e-9  # of a spacing: what floats leave of a whole number of spacings
 
 
 class Solid(Model):
-    """What bodies of every shape have."""
+    """What bodies of every shape have.
+
+    A body has the size and mass that are asked: a whole number of points lies along each of its lengths, `spacing` apart or
+    a little less. `rounded` bodies have exactly `spacing` and a size rounded to it, as the paper's authors did.
+    """
 
     name: str
     material: str
     spacing: Annotated[Length, Field(gt=0)]
     projectile: bool = False
+    rounded: bool = False
+
+
+class Fit(NamedTuple):
+    """How points fill a length: how many `pitch`es (m) it has, a whole number, or infinity where no whole number is."""
+
+    number: float
+    pitch: float
+    length: float  # m, as it is filled
+
+    @classmethod
+    def of(cls, length: float, spacing: float, rounded: bool) -> "Fit":
+        """Of a length (m): at least one of at most `spacing`, or with `rounded` exactly `spacing` each; halves are rounded down."""
+        ratio = length / spacing
+        # NumPy's ceil, because it knows infinity.
+        number = float(np.ceil(ratio - 0.5 - NOISE) if rounded else max(1.0, np.ceil(ratio - NOISE)))
+        if abs(number - ratio) <= NOISE or not math.isfinite(number):
+            return cls(number, spacing, length)
+        return cls(number, spacing, number * spacing) if rounded else cls(number, length / number, length)
 
 
 def require_size(lower: Sequence[float], upper: Sequence[float]) -> None:
@@ -43,9 +69,20 @@ class Block(Solid):
         return self
 
     @property
+    def fits(self) -> tuple[Fit, Fit, Fit]:
+        """How points fill it along x, y and z."""
+        x, y, z = (
+            Fit.of(u - w, self.spacing, self.rounded) for w, u in zip(self.lower, self.upper, strict=True)
+        )
+        return x, y, z
+
+    @property
     def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners, m."""
-        return self.lower, self.upper
+        """Lower and upper corners of what its points fill, m; rounding moves the sides away from the lower corner and from
+        the top."""
+        x, y, z = (fit.length - (u - w) for fit, w, u in zip(self.fits, self.lower, self.upper, strict=True))
+        (x0, y0, z0), (x1, y1, z1) = self.lower, self.upper
+        return (x0, y0, z0 - z), (x1 + x, y1 + y, z1)
 
     @property
     def axis(self) -> tuple[float, float]:
@@ -53,47 +90,64 @@ class Block(Solid):
         return (self.lower[0] + self.upper[0]) / 2, (self.lower[1] + self.upper[1]) / 2
 
 
-class Ball(NamedTuple):
-    """A ball of points: centre (m), and radius in point spacings."""
-
-    center: Vector
-    reach: float
-
-
 class Balls(Solid):
-    """What bodies made of balls have."""
+    """What bodies made of equal balls have."""
 
     @property
     @abstractmethod
-    def balls(self) -> tuple[Ball, ...]:
-        """Of points; of reach 0 where the spacing is too coarse for any."""
+    def places(self) -> Sequence[Vector]:
+        """Centres of the balls, m."""
+
+    @property
+    @abstractmethod
+    def fit(self) -> Fit:
+        """How points fill the radius of a ball."""
+
+    @property
+    def box(self) -> tuple[Vector, Vector]:
+        """Lower and upper corners of the bounding box of what its points fill, m."""
+        (x, y, z), (x1, y1, z1) = (
+            tuple(end(axis) for axis in zip(*self.places, strict=True)) for end in (min, max)
+        )
+        r = self.fit.length
+        return (x - r, y - r, z - r), (x1 + r, y1 + r, z1 + r)
 
     @property
     def axis(self) -> tuple[float, float]:
         """x and y (m) of the vertical line through its first ball."""
-        return self.balls[0].center[:2]
+        return self.places[0][:2]
 
 
 class Sphere(Balls):
-    """A ball of material. Its radius is rounded to a whole number of point spacings."""
+    """A ball of material, at a `center` of three coordinates, or of x and y with a `gap` between it and z = 0."""
 
     shape: Literal["sphere"]
-    center: Vector
+    center: tuple[Length, ...]
+    gap: Annotated[Length, Field(ge=0)] | None = None
     radius: Annotated[Length, Field(gt=0)]
 
-    @property
-    def balls(self) -> tuple[Ball, ...]:
-        """Itself."""
-        return (Ball(self.center, round(self.radius / self.spacing)),)
+    @model_validator(mode="after")
+    def _has_one_height(self) -> Self:
+        if len(self.center) != (3 if self.gap is None else 2):
+            raise ValueError(
+                "needs either a center of x, y and z, or one of x and y with gap, the clear height above z = 0"
+            )
+        return self
 
     @property
-    def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners of the ball's bounding box, m."""
-        return _box_of([self.center], self.radius)
+    def places(self) -> tuple[Vector]:
+        """Its own centre, m."""
+        x, y = self.center[:2]
+        return ((x, y, self.center[2] if self.gap is None else self.gap + self.fit.length),)
+
+    @property
+    def fit(self) -> Fit:
+        """How points fill its radius."""
+        return Fit.of(self.radius, self.spacing, self.rounded)
 
 
 class Swarm(Balls):
-    """Equal balls of material over a rectangular patch, their centres at one height.
+    """Equal balls of material over a rectangular patch, their centres at one height, or a `gap` between them and z = 0.
 
     On a lattice with a `pitch`, or at random places of the patch (`seed`), each ball whole in it and clear of the others.
     `flux` is the swarm's mass a patch area: on a lattice it gives the radius (Liu et al. 2015, Eq. 29), at random places
@@ -103,17 +157,19 @@ class Swarm(Balls):
     shape: Literal["swarm"]
     lower: tuple[Length, Length]
     upper: tuple[Length, Length]
-    height: Length
+    height: Length | None = None
+    gap: Annotated[Length, Field(ge=0)] | None = None
     pitch: Annotated[Length, Field(gt=0)] | None = None
     seed: Annotated[int, Field(ge=0)] | None = None
     flux: Annotated[ArealDensity, Field(gt=0)] | None = None
     radius: Annotated[Length, Field(gt=0)] | None = None
     number: Annotated[int, Field(gt=0, le=100_000)] | None = None
-    rounded: bool = True  # the radius to a whole number of point spacings, as the paper's authors did
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
         require_size(self.lower, self.upper)
+        if (self.height is None) == (self.gap is None):
+            raise ValueError("needs either height, of the centres, or gap, the clear height above z = 0")
         if (self.pitch is None) == (self.seed is None):
             raise ValueError("needs either pitch, for balls on a lattice, or seed, for random places")
         if self.pitch is not None and (self.number is not None or (self.flux or self.radius) is None):
@@ -143,14 +199,25 @@ class Swarm(Balls):
     @cached_property
     def centers(self) -> tuple[Vector, ...]:
         """Of the balls, m. Raises ValueError if they do not fit into the patch."""
-        radius = self.radius or 0.0
+        radius = max(self.radius or 0.0, self.fit.length)  # clear of each other as written and as filled
         if self.pitch is None:
             places = at_random(self.lower, self.upper, radius, self.number or 0, self.seed or 0)
         elif 2 * radius <= self.pitch * (1 + 1e-9):
             places = on_lattice(self.lower, self.upper, self.pitch)
         else:
             raise ValueError(f"balls {2 * radius:.4g} m wide overlap at a pitch of {self.pitch:.4g} m")
-        return tuple((x, y, self.height) for x, y in places)
+        height = (self.gap or 0.0) + self.fit.length if self.height is None else self.height
+        return tuple((x, y, height) for x, y in places)
+
+    @property
+    def places(self) -> tuple[Vector, ...]:
+        """Centres of its balls, m."""
+        return self.centers
+
+    @property
+    def fit(self) -> Fit:
+        """How points fill the radius of a ball."""
+        return Fit.of(self.radius or 0.0, self.spacing, self.rounded)
 
     @property
     def distance(self) -> float:
@@ -160,46 +227,22 @@ class Swarm(Balls):
         area = math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))
         return math.sqrt(area / len(self.centers))
 
-    @property
-    def balls(self) -> tuple[Ball, ...]:
-        """In the order of the centres."""
-        reach = (self.radius or 0.0) / self.spacing
-        return tuple(Ball(center, round(reach) if self.rounded else reach) for center in self.centers)
-
-    @property
-    def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners of the bounding box of its balls, m."""
-        return _box_of(self.centers, self.radius or 0.0)
-
 
 Body = Annotated[Block | Sphere | Swarm, Field(discriminator="shape")]
 
 
 def overlap(a: Body, b: Body) -> bool:
-    """Whether two bodies share more than a surface."""
+    """Whether what the points of two bodies fill shares more than a surface."""
     if isinstance(a, Block) and isinstance(b, Block):
-        gaps = [
-            max(al, bl) - min(au, bu)
-            for al, au, bl, bu in zip(a.lower, a.upper, b.lower, b.upper, strict=True)
-        ]
-        return max(gaps) < -1e-9 * max(a.spacing, b.spacing)
+        (al, au), (bl, bu) = a.box, b.box
+        gap = np.max(np.maximum(al, bl) - np.minimum(au, bu))
+        return bool(gap < -NOISE * max(a.spacing, b.spacing))
     if isinstance(b, Block):
         return overlap(b, a)
-    reach = (b.radius or 0.0) * (1 - 1e-9)
+    places, reach = np.array(b.places), b.fit.length * (1 - NOISE)
     if isinstance(a, Block):
-        corners = list(zip(a.lower, a.upper, strict=True))
-        return any(
-            math.dist([min(max(c, w), u) for c, (w, u) in zip(center, corners, strict=True)], center) < reach
-            for center in _centers(b)
-        )
-    reach += (a.radius or 0.0) * (1 - 1e-9)
-    return any(math.dist(p, q) < reach for p in _centers(a) for q in _centers(b))
-
-
-def _centers(body: Sphere | Swarm) -> Sequence[Vector]:
-    return [body.center] if isinstance(body, Sphere) else body.centers
-
-
-def _box_of(centers: Sequence[Vector], radius: float) -> tuple[Vector, Vector]:
-    (x, y, z), (x1, y1, z1) = (tuple(end(axis) for axis in zip(*centers, strict=True)) for end in (min, max))
-    return (x - radius, y - radius, z - radius), (x1 + radius, y1 + radius, z1 + radius)
+        nearest = np.clip(places, *a.box)
+        return bool(np.any(((nearest - places) ** 2).sum(axis=1) < reach**2))
+    reach += a.fit.length * (1 - NOISE)
+    distance, _ = KDTree(np.array(a.places)).query(places)
+    return bool(np.min(distance) < reach)

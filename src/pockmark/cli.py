@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from . import __version__
@@ -52,6 +53,9 @@ def run(
     threads: Threads = 0,
     force: Annotated[bool, typer.Option(help="Replace a run that is there.")] = False,
     quiet: Annotated[bool, typer.Option(help="No progress bar.")] = False,
+    coarse: Annotated[
+        bool, typer.Option("--coarse", help="Run with fewer than four cells across the projectile.")
+    ] = False,
 ) -> None:
     """Run a scene; measure and draw the crater."""
     loaded = Scene.load(scene, overrides or ())
@@ -59,10 +63,19 @@ def run(
     if not quiet:
         expected = forecast(loaded, thread_count(threads))
         console.print(f"{expected.points:,} points, {expected.cells:,} cells, about {expected.steps:,} steps")
+        if expected.cells_across is not None:
+            console.print(f"{expected.cells_across:.3g} cells across the projectile")
+        for warning in expected.warnings:
+            console.print(f"[yellow]warning:[/yellow] {escape(warning)}")
     # What Ctrl-C leaves of the run is measured and drawn, however often it is pressed.
     with heard_between_steps():
         folder, finished = run_scene(
-            loaded, path, threads=thread_count(threads), force=force, progress=not quiet
+            loaded,
+            path,
+            threads=thread_count(threads),
+            force=force,
+            progress=not quiet,
+            coarse=coarse,
         )
         console.print(report(measure_run(folder.path)))
         for picture in plot_run(folder.path):
@@ -80,12 +93,14 @@ def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -
     table = Table(show_header=False, title=loaded.title or str(scene))
     table.add_row("points", f"{expected.points:,}")
     table.add_row("cells", f"{expected.cells:,}")
+    if expected.cells_across is not None:
+        table.add_row("cells across the projectile", f"{expected.cells_across:.3g}")
     table.add_row("steps, about", f"{expected.steps:,}")
     table.add_row("memory", f"{expected.memory / 2**20:,.0f} MiB")
     table.add_row("time, about", f"{expected.seconds:,.0f} s on {thread_count(threads)} threads")
     console.print(table)
     for warning in expected.warnings:
-        console.print(f"[yellow]warning:[/yellow] {warning}")
+        console.print(f"[yellow]warning:[/yellow] {escape(warning)}")
 
 
 @app.command()

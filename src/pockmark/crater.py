@@ -24,7 +24,7 @@ PATCH = 16  # columns of a cell's area, whose heights err together
 
 @dataclass(frozen=True)
 class Crater:
-    """Depth C_p below z = 0 (m), centre of the bottom (x, y; m) and its standard uncertainty along x (m), volume (m^3) below
+    """Depth C_p below z = 0 (m), centre of the bottom (x, y; m) and its standard uncertainty along the heading (m), volume (m^3) below
     z = 0, mean height of the rim's crest (m); of the pithead the contour (n, 2; m) h/2 below z = 0, its ellipse at z = 0 and the
     diameter D_c (m) of the circle of its area: None where no closed edge lies around the bottom."""
 
@@ -46,15 +46,16 @@ def measure_target(
     return None if field is None else measure_crater(field.surface(level))
 
 
-def measure_crater(surface: Surface) -> Crater | None:
-    """The crater that holds the deepest point of the surface; None if that is less than half a spacing deep."""
+def measure_crater(surface: Surface, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
+    """The crater that holds the deepest point of the surface; None if that is less than half a spacing deep. `heading`: the unit
+    vector (x, y) that the projectiles move along, which the bottom's uncertainty is for."""
     floor = floor_of(surface)
     smooth = ndimage.gaussian_filter(floor, 1.4)
     i, j = (int(n) for n in np.unravel_index(np.argmin(smooth), floor.shape))
     depth = _depth(surface, floor, i, j)
     if depth < 0.5 * surface.spacing:
         return None
-    bottom, uncertainty = _bottom(surface, floor, i, j, depth)
+    bottom, uncertainty = _bottom(surface, floor, i, j, depth, heading)
     bowl = Openings.of(surface).bowl(i, j)
     pithead = bowl.pithead(depth)
     area = None if pithead is None else pithead.area
@@ -116,30 +117,33 @@ def _depth(surface: Surface, floor: Array, i: int, j: int) -> float:
 
 
 def _bottom(
-    surface: Surface, floor: Array, i: int, j: int, depth: float
+    surface: Surface, floor: Array, i: int, j: int, depth: float, heading: tuple[float, float]
 ) -> tuple[tuple[float, float], float]:
-    """Centre (x, y) of the bowl's bottom around column (i, j) and the standard uncertainty of its x, m.
+    """Centre (x, y) of the bowl's bottom around column (i, j) and its standard uncertainty along the heading, m.
 
     The centres of gravity of what lies deeper than .95 and than .9 of the depth are extrapolated to the depth, as the
     slices of a tilted bowl shift. The vertex of a fit is no use here: the floor of an oblique crater is flat, with
     grooves a cell apart.
     """
     (x, y, noise), (x1, y1, noise1) = (
-        _deep_centre(surface, floor, i, j, part * depth) for part in (0.95, 0.9)
+        _deep_centre(surface, floor, i, j, part * depth, heading) for part in (0.95, 0.9)
     )
     return (2 * x - x1, 2 * y - y1), math.hypot(2 * noise, noise1)
 
 
-def _deep_centre(surface: Surface, floor: Array, i: int, j: int, depth: float) -> tuple[float, float, float]:
-    """Centre of gravity x, y of the bowl around column (i, j) below `depth`, and the standard uncertainty of x, m: the
-    height of each patch of a cell is off by SIGMA spacings, independently."""
+def _deep_centre(
+    surface: Surface, floor: Array, i: int, j: int, depth: float, heading: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Centre of gravity x, y of the bowl around column (i, j) below `depth`, and its standard uncertainty along the heading, m:
+    the height of each patch of a cell is off by SIGMA spacings, independently."""
     excess = -floor - depth
     excess[i, j] = max(excess[i, j], 1e-3 * depth)  # the column itself always counts
     labels, _ = ndimage.label(excess > 0)
     excess = np.where(labels == labels[i, j], excess, 0.0)
     x = float(np.average(surface.x, weights=excess.sum(axis=1)))
     y = float(np.average(surface.y, weights=excess.sum(axis=0)))
-    arm = float((surface.x - x) ** 2 @ np.count_nonzero(excess, axis=1))
+    along = heading[0] * (surface.x[:, None] - x) + heading[1] * (surface.y[None, :] - y)
+    arm = float((along[excess > 0] ** 2).sum())
     return x, y, SIGMA * surface.spacing * math.sqrt(PATCH * arm) / float(excess.sum())
 
 

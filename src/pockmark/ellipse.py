@@ -31,9 +31,11 @@ class Ellipse:
         level, slope = (x / a) ** 2 + (y / b) ** 2 - 1, 2 * np.hypot(x / a**2, y / b**2)
         return float(np.sqrt(np.mean((level / slope) ** 2)))
 
-    def e1(self, bottom_x: float) -> float:
-        """2 (C_xs - C_xb) / D_max, Eq. 23, as printed: positive where the bottom (x, m) lies on the side of -x."""
-        return 2 * (self.centre[0] - bottom_x) / self.major
+    def e1(self, bottom: tuple[float, float], heading: tuple[float, float]) -> float:
+        """2 (C_xs - C_xb) / D_max, Eq. 23, as printed, along the `heading` (unit vector x, y): positive where the bottom (x, y; m)
+        lies behind the centre."""
+        ahead = sum((c - b) * h for c, b, h in zip(self.centre, bottom, heading, strict=True))
+        return 2 * ahead / self.major
 
 
 def ellipse_of(centre: Array, covariance: Array) -> Ellipse:

@@ -1,17 +1,27 @@
 """What is known of a run before it starts: its size, its time, and what a careful analyst would ask."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
+
+from scipy.optimize import brentq
 
 from . import _core
-from .bodies import Block, Body
-from .lattice import block_counts, count
-from .scene import Scene
+from .bodies import Block, Body, Vector
+from .equations import volume_energy
+from .lattice import count, point_volume
+from .materials import JohnsonCook, Material, MieGruneisen
+from .scene import FACES, Scene
 
 BYTES_PER_POINT = 190  # fields, indices and the sort's scratch, fp64
 BYTES_PER_NODE = 132
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
+MIN_CELLS_ACROSS, ENOUGH_CELLS_ACROSS = 4, 10  # of the grid across the projectile's diameter
+FRAME_SPEED = (
+    3000.0  # m/s: below it a plane shock with trilinear functions depends on the frame (docs/theory.md)
+)
 
 
 @dataclass(frozen=True)
@@ -23,6 +33,7 @@ class Forecast:
     steps: int
     memory: float  # bytes
     seconds: float
+    cells_across: float | None  # of the grid across the smallest projectile
     warnings: list[str] = field(default_factory=list)
 
 
@@ -34,23 +45,54 @@ def forecast(scene: Scene, threads: int) -> Forecast:
     slower = 2.8 if scene.numerics.shape_functions == "quadratic" else 1.0
     size = 1.0 if scene.numerics.precision == "double" else 0.5
     rate = TYPICAL_RATE[_core.build_info()["isa"]] * threads
+    memory = size * (points * BYTES_PER_POINT + nodes * BYTES_PER_NODE)
     return Forecast(
         points=points,
         cells=scene.grid.cell_count,
         steps=steps,
-        memory=size * (points * BYTES_PER_POINT + nodes * BYTES_PER_NODE),
+        memory=memory,
         seconds=points * steps * slower / rate,
-        warnings=warnings(scene),
+        cells_across=cells_across(scene),
+        warnings=warnings(scene) + _memory_warning(memory, available_memory()),
     )
+
+
+def cells_across(scene: Scene) -> float | None:
+    """Cells of the grid across the smallest projectile: a ball's diameter, a block's least side, with its mirror image; None
+    without a projectile."""
+    across = []
+    for i in scene.projectiles:
+        body = scene.body[i]
+        across.append(_least_side(body, scene) if isinstance(body, Block) else 2 * body.fit.length)
+    return min(across) / scene.grid.cell if across else None
+
+
+def is_too_coarse(scene: Scene) -> bool:
+    """Whether fewer than MIN_CELLS_ACROSS cells lie across a projectile."""
+    across = cells_across(scene)
+    return across is not None and across < MIN_CELLS_ACROSS * (1 - 1e-9)
+
+
+def available_memory() -> float | None:
+    """Memory that can be had without swapping, bytes; None where the system does not tell."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return None
+    found = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
+    return 1024.0 * float(found[0]) if found else None
 
 
 def warnings(scene: Scene) -> list[str]:
     """What a careful analyst would ask about this scene."""
-    out = _impact_warnings(scene)
+    out = _impact_warnings(scene) + _resolution_warning(scene) + _frame_warning(scene)
+    out += _range_warnings(scene) + _crater_warnings(scene)
     for i, body in enumerate(scene.body):
         said = _lattice_warnings(body, scene)
         if body.projectile:
             said += _face_warnings(body, scene)
+        else:
+            said += _short_side_warnings(body, scene)
         out += [f"body[{i}] '{body.name}': {text}" for text in said]
     for name in dict.fromkeys(b.material for b in scene.body):
         out += _failure_warning(name, scene)
@@ -71,18 +113,189 @@ def _impact_warnings(scene: Scene) -> list[str]:
     return out
 
 
-def _lattice_warnings(body: Body, scene: Scene) -> list[str]:
-    """Whether the points are enough for the body and the grid, and lie where the body is written."""
-    out = []
-    if not isinstance(body, Block) and round(2 * body.balls[0].reach) < 4:
-        out.append("fewer than 4 points across the sphere")
-    per_cell = scene.grid.cell / body.spacing
-    if per_cell < 2:
-        out.append(f"{per_cell:.2g} points a cell along an axis; 2 is the usual least")
-    if abs(off := _surface_offset(body)) > 0.01 * body.spacing:
+def _memory_warning(needed: float, available: float | None) -> list[str]:
+    if available is None or needed <= available:
+        return []
+    return [f"it needs {needed / 2**20:,.0f} MiB of memory, {available / 2**20:,.0f} MiB are free"]
+
+
+def _resolution_warning(scene: Scene) -> list[str]:
+    across = cells_across(scene)
+    if across is None or across >= ENOUGH_CELLS_ACROSS * (1 - 1e-9):
+        return []
+    return [
+        f"{across:.3g} cells across the projectile, fewer than {ENOUGH_CELLS_ACROSS}: its crater comes out too small (model 1 with 5 has "
+        "15 um where 10 give 17.5 um)"
+        + (f"; fewer than {MIN_CELLS_ACROSS} run with --coarse only" if is_too_coarse(scene) else "")
+    ]
+
+
+def _frame_warning(scene: Scene) -> list[str]:
+    if scene.numerics.shape_functions != "trilinear" or not 0 < scene.impact.speed < FRAME_SPEED:
+        return []
+    return [
+        "trilinear shape functions make a plane shock depend on the frame: with the target at rest its pressure is 11 % low at "
+        ".6 km/s, 25 % at 1 km/s, 3 % at 2.2 km/s, and right where the shocked material stands still (quadratic: within 2 %)"
+    ]
+
+
+def _range_warnings(scene: Scene) -> list[str]:
+    """Materials that the impact shocks beyond the range of their laws."""
+    normal = scene.impact.speed * math.cos(scene.impact.angle)
+    reached: dict[str, float] = {}
+    for a in scene.projectiles:
+        for b in scene.targets:
+            names = (scene.body[a].material, scene.body[b].material)
+            p, t = (scene.materials[name] for name in names)
+            behind = _particle_speed(t, p, normal)
+            for name, up in zip(names, (normal - behind, behind), strict=True):
+                reached[name] = max(reached.get(name, 0.0), up)
+    return [
+        f"material '{name}': the impact drives it to {up / 1e3:.3g} km/s behind the shock, as {up / 5e2:.3g} km/s on itself would; its "
+        f"laws are meant for up to {limit / 1e3:.3g} km/s"
+        for name, up in reached.items()
+        if (limit := scene.materials[name].max_speed) is not None and 2 * up > limit * (1 + 1e-9)
+    ]
+
+
+def _particle_speed(target: Material, projectile: Material, speed: float) -> float:
+    """Of the target behind the shock, m/s, by impedance match: the pressures of both are equal."""
+
+    def pressure(of: Material, up: float) -> float:
+        c0 = math.sqrt(of.bulk_modulus / of.density)
+        return of.density * up * (c0 + (of.eos.s if isinstance(of.eos, MieGruneisen) else 0.0) * up)
+
+    return float(brentq(lambda up: pressure(target, up) - pressure(projectile, speed - up), 0.0, speed))
+
+
+def _crater_warnings(scene: Scene) -> list[str]:
+    """Whether the crater that Liu et al. 2015, Eq. 22, predicts fits into the targets and the grid, and has time to settle."""
+    out, settled = [], 0.0
+    for i in scene.targets:
+        body = scene.body[i]
+        if (
+            not isinstance(body, Block)
+            or (depth := predicted_depth(scene, scene.materials[body.material])) is None
+        ):
+            continue
+        settled = max(settled, settling_time(depth, scene.materials[body.material]))
+        if depth > body.fits[2].length / 2:
+            out.append(
+                f"body[{i}] '{body.name}': Eq. 22 predicts a crater {depth * 1e6:.3g} um deep, more than half of its thickness, "
+                f"{body.fits[2].length * 1e6:.4g} um: it may be perforated, or the crater feel what lies behind"
+            )
+        elif wide := _too_wide(scene, depth):
+            out.append(f"Eq. 22 predicts a crater {depth * 1e6:.3g} um deep, and so {wide}")
+    arrival = _arrival(scene)
+    if scene.end_time < arrival + settled:
         out.append(
-            f"its points' surface lies {off * 1e6:+.3g} um from the written one, as its spacing does not divide its size"
+            f"end_time: {scene.end_time * 1e9:.4g} ns; the crater is settled after about {(arrival + settled) * 1e9:.3g} ns"
         )
+    return out
+
+
+def predicted_depth(scene: Scene, target: Material) -> float | None:
+    """Depth of the crater of the largest ball of the scene in a target, m, by Liu et al. 2015, Eq. 22, with the normal part of
+    the speed; None without a ball, a speed or a yield strength."""
+    normal = scene.impact.speed * math.cos(scene.impact.angle)
+    if not normal or not isinstance(target.strength, JohnsonCook):
+        return None
+    depths = [
+        2
+        * ball.fit.length
+        * volume_energy(
+            normal,
+            projectile_density=scene.materials[ball.material].density,
+            target_strength=target.strength.A,
+        )
+        for i in scene.projectiles
+        if not isinstance(ball := scene.body[i], Block)
+    ]
+    return max(depths, default=None)
+
+
+def settling_time(depth: float, target: Material) -> float:
+    """Time (s) that a crater of this depth (m) takes to settle: depth sqrt(rho/Y), as the target's strength stops it."""
+    assert isinstance(target.strength, JohnsonCook)
+    return depth * math.sqrt(target.density / target.strength.A)
+
+
+def _arrival(scene: Scene) -> float:
+    """When the last projectile meets z = 0 with its lower side, s."""
+    heights = [scene.body[i].box[0][2] for i in scene.projectiles]
+    return max([0.0, *heights]) / -scene.impact.velocity[2] if scene.impact.speed else 0.0
+
+
+def _too_wide(scene: Scene, depth: float) -> str:
+    """Along which axis hemispherical craters of this depth (m) take more than half of the grid; empty if along none."""
+    places = [place for i in scene.projectiles for place in _places(scene.body[i])]
+    for axis, name in enumerate("xy"):
+        low, high = min(p[axis] for p in places) - depth, max(p[axis] for p in places) + depth
+        left, right = scene.grid.lower[axis], scene.grid.corner[axis]
+        for mirror in scene.mirrors:
+            if mirror.axis == axis and mirror.above:
+                high, right = 2 * mirror.at - low, 2 * mirror.at - left
+            elif mirror.axis == axis:
+                low, left = 2 * mirror.at - high, 2 * mirror.at - right
+        if high - low > (right - left) / 2:
+            return (
+                f"{(high - low) * 1e6:.3g} um wide along {name}, more than half of the grid, {(right - left) * 1e6:.4g} um: it feels "
+                "the faces"
+            )
+    return ""
+
+
+def _places(body: Body) -> Sequence[Vector]:
+    return () if isinstance(body, Block) else body.places
+
+
+def _least_side(block: Block, scene: Scene) -> float:
+    """Of a block and its mirror images, m."""
+    sides = [fit.length for fit in block.fits]
+    for mirror in scene.mirrors:
+        if abs(block.box[mirror.above][mirror.axis] - mirror.at) <= 1e-9 * scene.grid.cell:
+            sides[mirror.axis] *= 2
+    return min(sides)
+
+
+def _lattice_warnings(body: Body, scene: Scene) -> list[str]:
+    """Whether the points are enough for the body and the grid, and what was rounded or fitted."""
+    out = []
+    fits = body.fits if isinstance(body, Block) else (body.fit,)
+    if not isinstance(body, Block) and body.fit.number < 2:
+        out.append("fewer than 4 points across the sphere")
+    pitch = max(fit.pitch for fit in fits)
+    per_cell = scene.grid.cell / pitch
+    if per_cell < 2 * (1 - 1e-9):
+        out.append(f"{per_cell:.2g} points a cell along an axis; 2 is the usual least")
+    if body.rounded and abs((ratio := _mass_ratio(body)) - 1) > 0.01:
+        out.append(f"rounded to whole spacings, it has {ratio:.3g} times the mass of the written size")
+    elif (closest := min(fit.pitch for fit in fits)) < 0.99 * body.spacing:
+        out.append(
+            f"its points lie {closest * 1e6:.4g} um apart, not {body.spacing * 1e6:.4g} um, so that a whole number fits"
+        )
+    return out
+
+
+def _mass_ratio(body: Body) -> float:
+    """Mass of a body's points over that of its written size."""
+    if isinstance(body, Block):
+        written = math.prod(u - w for w, u in zip(body.lower, body.upper, strict=True))
+    else:
+        written = len(body.places) * 4 / 3 * math.pi * (body.radius or 0.0) ** 3
+    return count(body) * point_volume(body) / written
+
+
+def _short_side_warnings(target: Body, scene: Scene) -> list[str]:
+    """Sides that end less than a cell short of a face which is not free: there is a gap, and they are free."""
+    out = []
+    for i, (face, kind) in enumerate(zip(FACES, scene.boundary.faces, strict=True)):
+        axis, above = i // 2, i % 2
+        gap = (1 if above else -1) * (scene.grid.box[above][axis] - target.box[above][axis])
+        if kind != "free" and 1e-6 < gap / scene.grid.cell < 1 - 1e-6:
+            out.append(
+                f"its points end {gap * 1e6:.3g} um short of the {kind} face {face}, at {scene.grid.box[above][axis] * 1e6:.5g} um"
+            )
     return out
 
 
@@ -104,13 +317,6 @@ def _face_warnings(projectile: Body, scene: Scene) -> list[str]:
         for face, gap in gaps.items()
         if gap < 2 * diameter
     ]
-
-
-def _surface_offset(body: Body) -> float:
-    """How far the points reach beyond a block's upper face in z, or a sphere's radius, m; negative if short of it."""
-    if not isinstance(body, Block):
-        return body.balls[0].reach * body.spacing - (body.radius or 0.0)
-    return block_counts(body)[2] * body.spacing - (body.upper[2] - body.lower[2])
 
 
 def _failure_warning(name: str, scene: Scene) -> list[str]:

@@ -105,6 +105,8 @@ class Material(Model):
     failure: Failure
     thermal: Thermal
     viscosity: Viscosity = Viscosity()
+    # Speed of impact on itself up to which its laws are meant: the material behind the shock then moves at half of it.
+    max_speed: Annotated[Speed, Field(gt=0)] | None = None
 
     @property
     def bulk_modulus(self) -> float:

@@ -65,12 +65,11 @@ class Mode:
         return ROMAN[self.number - 1]
 
 
-def measures_of(group: Group) -> Measures:
-    """Of a group with two craters or more."""
+def measures_of(group: Group, heading: tuple[float, float] = (1.0, 0.0)) -> Measures:
+    """Of a group with two craters or more; of x and y the one nearer to the `heading` (unit vector) is along."""
     inside, outside = _by_place(group)
-    along, across = (
-        [ridge for ridge in group.ridges if ridge.along == direction] for direction in ("x", "y")
-    )
+    directions = ("x", "y") if abs(heading[0]) >= abs(heading[1]) else ("y", "x")
+    along, across = ([ridge for ridge in group.ridges if ridge.along == d] for d in directions)
     return Measures(
         _share([_touch(group, ridge) for ridge in along]),
         _share([_touch(group, ridge) for ridge in across]),

@@ -45,7 +45,7 @@ class Ridge:
     the line from bottom to bottom height (m) of the lower of the two rims, and how far (m) the ground between lies below it."""
 
     pair: tuple[int, int]
-    along: str  # "x", the scraping direction, or "y"
+    along: str  # "x" or "y"
     height: float
     rim: float
     saddle: float

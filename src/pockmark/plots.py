@@ -44,7 +44,7 @@ class Cast:
 
 @dataclass(frozen=True)
 class Cut:
-    """The points within one spacing of a plane y: x, z, width (n,) um, stress and pressure (n,) MPa, body (n,)."""
+    """The points within one spacing of a plane across an axis, y or x: the other one as x, z, width (n,) um, stress and pressure (n,) MPa, body (n,)."""
 
     x: Array
     z: Array
@@ -56,12 +56,12 @@ class Cut:
     time: float  # ns
 
     @classmethod
-    def of(cls, snapshot: Fields, cast: Cast, plane: float, spacing: float) -> "Cut":
-        """Through the plane y = `plane` (m)."""
-        near = np.abs(snapshot["position"][:, 1] - plane) < spacing
+    def of(cls, snapshot: Fields, cast: Cast, plane: float, spacing: float, across: int = 1) -> "Cut":
+        """Through the plane y = `plane` (m), or x = `plane` with `across` 0."""
+        near = np.abs(snapshot["position"][:, across] - plane) < spacing
         position, body = snapshot["position"][near] * 1e6, snapshot["body"][near]
         return cls(
-            position[:, 0],
+            position[:, 1 - across],
             position[:, 2],
             np.cbrt(snapshot["volume"][near]) * 1e6,
             effective_stress(snapshot["deviator"][near]) / 1e6,
@@ -86,10 +86,17 @@ class Cut:
 
 
 def slice_figure(
-    snapshot: Fields, cast: Cast, *, plane: float, spacing: float, crater: Crater | None, title: str
+    snapshot: Fields,
+    cast: Cast,
+    *,
+    plane: float,
+    spacing: float,
+    crater: Crater | None,
+    title: str,
+    across: int = 1,
 ) -> Figure:
-    """Points within one `spacing` (m) of y = `plane`: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
-    cut = Cut.of(snapshot, cast, plane, spacing)
+    """Points within one `spacing` (m) of y = `plane`, or x = `plane` with `across` 0: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
+    cut = Cut.of(snapshot, cast, plane, spacing, across)
     limits = cut.limits
     figure = Figure(figsize=_size(limits), layout="compressed")
     FigureCanvasAgg(figure)
@@ -105,19 +112,21 @@ def slice_figure(
         axes.set(xlim=limits[0], ylim=limits[1], aspect="equal", ylabel="z (um)", title=name, facecolor=AIR)
         # Every panel gets a bar, so that all are of one width; the first one's says nothing and is hidden.
         figure.colorbar(scale, ax=axes).ax.set_visible(axes is not panels[0])
-    panels[-1].set_xlabel("x (um)")
+    panels[-1].set_xlabel(f"{'xy'[1 - across]} (um)")
     figure.draw_without_rendering()  # the markers' size depends on the panels'
     for axes, colour in zip(panels, colours, strict=True):
         cut.draw(axes, np.asarray(colour))
-        _mark_depth(axes, crater)
+        _mark_depth(axes, crater, across)
     if len(cast.targets) > 1:
         _name_targets(panels[0], cast)
     return figure
 
 
-def process_figure(snapshots: Iterable[Fields], cast: Cast, *, plane: float, spacing: float) -> Figure:
+def process_figure(
+    snapshots: Iterable[Fields], cast: Cast, *, plane: float, spacing: float, across: int = 1
+) -> Figure:
     """Effective stress above, pressure below, a column a snapshot: the panels of Liu et al. 2015, Figs. 5 and 8."""
-    cuts = [Cut.of(snapshot, cast, plane, spacing) for snapshot in snapshots]
+    cuts = [Cut.of(snapshot, cast, plane, spacing, across) for snapshot in snapshots]
     limits = cuts[-1].limits
     wide, high = (end - start for start, end in limits)
     figure = Figure(figsize=(3 * len(cuts) + 1, 6 * high / wide + 1), layout="compressed")
@@ -132,7 +141,7 @@ def process_figure(snapshots: Iterable[Fields], cast: Cast, *, plane: float, spa
     for axes, cut in zip(rows[0], cuts, strict=True):
         axes.set_title(f"{cut.time:.0f} ns")
     for axes in rows[1]:
-        axes.set_xlabel("x (um)")
+        axes.set_xlabel(f"{'xy'[1 - across]} (um)")
     figure.draw_without_rendering()
     for column, cut in zip(rows.T, cuts, strict=True):
         cut.draw(column[0], np.asarray(STRESS.to_rgba(cut.stress)))
@@ -169,11 +178,11 @@ def _marker_size(axes: Axes, width_um: Array) -> Array:
     return np.asarray((width_um * points_per_um + 0.25) ** 2)
 
 
-def _mark_depth(axes: Axes, crater: Crater | None) -> None:
+def _mark_depth(axes: Axes, crater: Crater | None, across: int) -> None:
     """An arrow in the crater; its length above the panel, where it hides nothing."""
     if crater is None:
         return
-    x, depth = crater.bottom[0] * 1e6, crater.depth * 1e6
+    x, depth = crater.bottom[1 - across] * 1e6, crater.depth * 1e6
     arrow = {"arrowstyle": "<->", "color": "crimson", "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (x, -depth), (x, 0.0), arrowprops=arrow)
     axes.set_title(f"$C_p$ = {depth:.1f} um", loc="right", color="crimson")

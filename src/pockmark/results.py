@@ -23,7 +23,9 @@ SHAPE = (
     "minor_axis",
     "orientation",
     "centre_x",
+    "centre_y",
     "bottom_x",
+    "bottom_y",
     "e1",
     "e2",
     "rim_height",
@@ -50,9 +52,9 @@ def field_of(
     return target_field(position, snapshot["volume"][is_target], spacing, mirrors=mirrors)
 
 
-def crater_of(surface: Surface | None) -> Crater | None:
+def crater_of(surface: Surface | None, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
     """The crater in the target's surface; None if there is none."""
-    return None if surface is None else measure_crater(surface)
+    return None if surface is None else measure_crater(surface, heading)
 
 
 def morphology_table(
@@ -64,17 +66,20 @@ def morphology_table(
     projectile_mass: float,
     spacing: float,
     mirrors: Sequence[Mirror],
+    heading: tuple[float, float] = (1.0, 0.0),
 ) -> dict[str, Any]:
-    """The crater's shape, lining and uncertainties, SI; None for what there is not. `projectile_mass` in kg at the start."""
+    """The crater's shape, lining and uncertainties, SI; None for what there is not. `projectile_mass` in kg at the start,
+    `heading` the unit vector (x, y) that the projectiles move along."""
     shape: dict[str, Any] = dict.fromkeys(SHAPE)
     if field is None or crater is None:
         return shape
     mass, thickness = lining(
         snapshot, crater, projectile_bodies=projectile_bodies, spacing=spacing, mirrors=mirrors
     )
-    low, high = (measure_crater(field.surface(level)) for level in LEVELS)
+    low, high = (measure_crater(field.surface(level), heading) for level in LEVELS)
     shape |= {
         "bottom_x": crater.bottom[0],
+        "bottom_y": crater.bottom[1],
         "rim_height": crater.rim_height,
         "lining_fraction": _ratio(mass, copies(mirrors) * projectile_mass),
         "lining_thickness": thickness,
@@ -83,7 +88,8 @@ def morphology_table(
     if (ellipse := crater.pithead) is not None:
         shape |= _axes(ellipse) | {
             "centre_x": ellipse.centre[0],
-            "e1": ellipse.e1(crater.bottom[0]),
+            "centre_y": ellipse.centre[1],
+            "e1": ellipse.e1(crater.bottom, heading),
             "e2": ellipse.e2,
             "depth_over_major_axis": crater.depth / ellipse.major,
             "depth_over_minor_axis": crater.depth / ellipse.minor,
@@ -91,8 +97,9 @@ def morphology_table(
     return shape
 
 
-def group_table(group: Group, *, oblique: bool) -> dict[str, Any]:
-    """The craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on."""
+def group_table(group: Group, *, oblique: bool, heading: tuple[float, float] = (1.0, 0.0)) -> dict[str, Any]:
+    """The craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on. `heading`: the
+    unit vector (x, y) that the projectiles move along."""
     table: dict[str, Any] = {
         "craters": len(group.pits),
         "pitheads": len({pit.hollow for pit in group.pits}),
@@ -103,7 +110,7 @@ def group_table(group: Group, *, oblique: bool) -> dict[str, Any]:
     }
     if len(group.pits) < 2:
         return table
-    depths, measures = [pit.depth for pit in group.pits], measures_of(group)
+    depths, measures = [pit.depth for pit in group.pits], measures_of(group, heading)
     mode = mode_of(measures, oblique=oblique)
     mean = float(np.mean(depths))
     return table | {

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from . import __version__, results
 from .bodies import Block, Swarm
 from .errors import PockmarkError
-from .lattice import count
+from .forecast import MIN_CELLS_ACROSS, cells_across, is_too_coarse
+from .lattice import count, point_volume
 from .morphology import Group, measure_group
 from .plots import HISTORY_COLUMNS, Cast, history_figure, process_figure, slice_figure
 from .scene import Scene
@@ -36,9 +37,23 @@ MEASURED = {
 
 
 def run_scene(
-    scene: Scene, path: str | Path, *, threads: int | None = None, force: bool = False, progress: bool = True
+    scene: Scene,
+    path: str | Path,
+    *,
+    threads: int | None = None,
+    force: bool = False,
+    progress: bool = True,
+    coarse: bool = False,
 ) -> tuple[RunFolder, bool]:
-    """Run a scene into a folder. Returns the folder and whether the run was finished (not interrupted)."""
+    """Run a scene into a folder. Returns the folder and whether the run was finished (not interrupted).
+
+    Raises PockmarkError, too, where fewer than four cells lie across a projectile, unless `coarse` allows it.
+    """
+    if is_too_coarse(scene) and not coarse:
+        raise PockmarkError(
+            f"grid.cell: {scene.grid.cell * 1e6:.4g} um puts {cells_across(scene):.3g} cells across the projectile, at least "
+            f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
+        )
     with heard_between_steps() as stop_if_asked:
         simulation = Simulation(scene, threads)
         stop_if_asked()  # before `force` replaces a run
@@ -140,7 +155,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     snapshot = folder.last_snapshot()
     field = _field(snapshot, scene)
     surface = _surface(field)
-    crater, mass = results.crater_of(surface), _projectile_mass(scene)
+    crater, mass = results.crater_of(surface, scene.impact.heading), _projectile_mass(scene)
     table = results.result_table(
         crater,
         float(snapshot["time"][0]),
@@ -157,9 +172,12 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         projectile_mass=mass,
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,
+        heading=scene.impact.heading,
     )
     if group := group_of(surface, scene):
-        table["group"] = results.group_table(group, oblique=scene.impact.angle > 0)
+        table["group"] = results.group_table(
+            group, oblique=scene.impact.angle != 0, heading=scene.impact.heading
+        )
     table["ejecta"] = results.ejecta_table(
         snapshot,
         ledger,
@@ -185,6 +203,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
             snapshot,
             _cast(scene),
             plane=_slice_plane(scene),
+            across=_slice_axis(scene),
             spacing=_target_spacing(scene),
             crater=results.crater_of(_surface(_field(snapshot, scene))),
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
@@ -204,7 +223,8 @@ def group_of(surface: Surface | None, scene: Scene) -> Group | None:
     if not swarms or surface is None:
         return None
     centers = np.array(swarms[0].centers)
-    hits = centers[:, :2] + np.outer(centers[:, 2], [math.tan(scene.impact.angle), 0.0])
+    x, y, z = scene.impact.velocity
+    hits = centers[:, :2] + np.outer(centers[:, 2], [x / -z, y / -z] if z else [0.0, 0.0])
     for mirror in scene.mirrors:
         hits = with_image(hits, mirror)
     return measure_group(surface, hits, swarms[0].distance)
@@ -221,7 +241,13 @@ def plot_process(path: str | Path) -> Figure:
     folder = RunFolder.open(path)
     scene = folder.scene()
     snapshots = map(Snapshot, folder.snapshots()[-4:])
-    return process_figure(snapshots, _cast(scene), plane=_slice_plane(scene), spacing=_target_spacing(scene))
+    return process_figure(
+        snapshots,
+        _cast(scene),
+        plane=_slice_plane(scene),
+        across=_slice_axis(scene),
+        spacing=_target_spacing(scene),
+    )
 
 
 def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:
@@ -241,14 +267,21 @@ def _cast(scene: Scene) -> Cast:
     return Cast([body.name for body in scene.body], scene.projectiles)
 
 
+def _slice_axis(scene: Scene) -> int:
+    """The axis across the picture's slice: y, or x where the projectiles move rather along y."""
+    x, y = scene.impact.heading
+    return 1 if abs(x) >= abs(y) else 0
+
+
 def _slice_plane(scene: Scene) -> float:
-    """The y of the picture's slice, m: a symmetry plane, or else through the first projectile."""
+    """Where the picture's slice lies on that axis, m: at a symmetry plane, or else through the first projectile."""
+    axis = _slice_axis(scene)
     for mirror in scene.mirrors:
-        if mirror.axis == 1:
+        if mirror.axis == axis:
             return mirror.at
     if scene.projectiles:
-        return scene.body[scene.projectiles[0]].axis[1]
-    return (scene.grid.lower[1] + scene.grid.corner[1]) / 2
+        return scene.body[scene.projectiles[0]].axis[axis]
+    return (scene.grid.lower[axis] + scene.grid.corner[axis]) / 2
 
 
 def _target_spacing(scene: Scene) -> float:
@@ -258,14 +291,14 @@ def _target_spacing(scene: Scene) -> float:
 def _projectile_mass(scene: Scene) -> float:
     """Mass of the projectiles' points at the start, kg, of what is computed."""
     bodies = [scene.body[i] for i in scene.projectiles]
-    return sum(count(b, scene.grid.box) * b.spacing**3 * scene.materials[b.material].density for b in bodies)
+    return sum(
+        count(b, scene.grid.box) * point_volume(b) * scene.materials[b.material].density for b in bodies
+    )
 
 
 def _projectile_diameter(scene: Scene) -> float:
-    """Diameter of the first projectile as it was discretised, m; 0 without one."""
+    """Diameter of the first projectile, a block's height, as its points fill it, m; 0 without one."""
     if not scene.projectiles:
         return 0.0
     body = scene.body[scene.projectiles[0]]
-    if not isinstance(body, Block):
-        return 2 * body.balls[0].reach * body.spacing
-    return body.upper[2] - body.lower[2]
+    return body.fits[2].length if isinstance(body, Block) else 2 * body.fit.length

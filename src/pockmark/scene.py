@@ -97,22 +97,41 @@ class Mirror:
 
 
 class Impact(Model):
-    """Velocity of the projectile bodies: speed, and angle from the normal of the surface towards +x."""
+    """Velocity of the projectile bodies: speed, angle from the normal of the surface, and the direction along the surface that
+    a positive angle leads to: azimuth, about z from +x towards +y."""
 
     speed: Annotated[Speed, Field(ge=0)]
     angle: Angle = 0.0
+    azimuth: Angle = 0.0
 
     @field_validator("angle")
     @classmethod
     def _comes_from_above(cls, angle: float) -> float:
-        if not 0 <= angle < math.pi / 2:
-            raise ValueError(f"found {math.degrees(angle):g} deg, expected 0 deg to less than 90 deg")
+        if not abs(angle) < math.pi / 2:
+            raise ValueError(
+                f"found {math.degrees(angle):g} deg, expected more than -90 deg and less than 90 deg"
+            )
         return angle
+
+    @field_validator("azimuth")
+    @classmethod
+    def _is_within_a_turn(cls, azimuth: float) -> float:
+        if not abs(azimuth) <= 2 * math.pi * (1 + 1e-12):
+            raise ValueError(f"found {math.degrees(azimuth):g} deg, expected -360 deg to 360 deg")
+        return azimuth
 
     @property
     def velocity(self) -> tuple[float, float, float]:
-        """m/s."""
-        return self.speed * math.sin(self.angle), 0.0, -self.speed * math.cos(self.angle)
+        """m/s; exactly 0 across the azimuth where that is a multiple of 90 degrees."""
+        along = self.speed * math.sin(self.angle)
+        x, y = _unit(self.azimuth)
+        return along * x + 0.0, along * y + 0.0, -self.speed * math.cos(self.angle)  # + 0.0: no -0.0
+
+    @property
+    def heading(self) -> tuple[float, float]:
+        """Unit vector along the surface that the projectiles move to; of a normal impact the azimuth's."""
+        x, y = _unit(self.azimuth)
+        return (-x + 0.0, -y + 0.0) if self.angle < 0 else (x, y)
 
 
 class Contact(Model):
@@ -197,6 +216,16 @@ class Scene(Model):
         return self
 
     @model_validator(mode="after")
+    def _points_can_be_numbered(self) -> Self:
+        total = 0.0
+        for i, body in enumerate(self.body):
+            total += size(body)
+            if not total <= MAX_POINTS:
+                key = f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m"
+                raise ValueError(f"{key} makes {size(body):.3g} points, at most {MAX_POINTS} fit")
+        return self
+
+    @model_validator(mode="after")
     def _bodies_fit(self) -> Self:
         if len(self.body) > MAX_BODIES:
             raise ValueError(f"body: found {len(self.body)} bodies, at most {MAX_BODIES} are allowed")
@@ -221,15 +250,24 @@ class Scene(Model):
         return self
 
     @model_validator(mode="after")
-    def _points_fit(self) -> Self:
-        total = 0.0
+    def _bodies_have_points(self) -> Self:
         for i, body in enumerate(self.body):
-            key = f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m"
-            total += size(body)
-            if not total <= MAX_POINTS:
-                raise ValueError(f"{key} makes {size(body):.3g} points, at most {MAX_POINTS} fit")
             if count(body, self.grid.box) == 0:
-                raise ValueError(f"{key} leaves it without points")
+                raise ValueError(
+                    f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m leaves it without points"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _symmetry_planes_are_kept(self) -> Self:
+        impact = self.impact
+        for mirror in self.mirrors if self.projectiles else ():
+            if impact.velocity[mirror.axis]:
+                face = FACES[2 * mirror.axis + mirror.above]
+                raise ValueError(
+                    f"impact.angle: {math.degrees(impact.angle):g} deg at an azimuth of {math.degrees(impact.azimuth):g} deg moves "
+                    f"the projectiles across the symmetry plane {face}: compute what lies behind it, too, or turn impact.azimuth"
+                )
         return self
 
     @model_validator(mode="after")
@@ -248,19 +286,20 @@ class Scene(Model):
         return self
 
     def _check_inside(self, key: str, body: Body) -> None:
-        """A body lies in the grid; a sphere may be cut by a symmetry plane through its centre."""
+        """What a body's points fill lies in the grid, but for half a spacing of a `rounded` body, whose points themselves do; a
+        sphere may be cut by a symmetry plane through its centre."""
         tolerance = 1e-9 * self.grid.cell
         lower, upper = body.box
         for face, kind in zip(FACES, self.boundary.faces, strict=True):
             axis, is_upper = FACES.index(face) // 2, face.endswith("upper")
             limit = self.grid.corner[axis] if is_upper else self.grid.lower[axis]
             beyond = upper[axis] - limit if is_upper else limit - lower[axis]
-            if beyond <= tolerance:
+            if beyond <= tolerance + (body.spacing / 2 if body.rounded and kind != "symmetry" else 0.0):
                 continue
             if (
                 kind == "symmetry"
                 and isinstance(body, Sphere)
-                and abs(body.center[axis] - limit) <= tolerance
+                and abs(body.places[0][axis] - limit) <= tolerance
             ):
                 continue
             raise ValueError(f"{key}: reaches {beyond * 1e6:.4g} um outside the grid's face {face}")
@@ -311,6 +350,14 @@ class Scene(Model):
             for i, kind in enumerate(self.boundary.faces[:4])
             if kind == "symmetry"
         )
+
+
+def _unit(azimuth: float) -> tuple[float, float]:
+    """Its cosine and sine; those of a multiple of 90 degrees are exactly 0, 1 or -1."""
+    quarters = round(azimuth / (math.pi / 2))
+    rest = azimuth - quarters * (math.pi / 2)
+    c, s = (1.0, 0.0) if abs(rest) < 1e-12 else (math.cos(rest), math.sin(rest))
+    return ((c, s), (-s + 0.0, c), (-c, -s + 0.0), (s, -c))[quarters % 4]
 
 
 def _check_laws(name: str, material: Material) -> None:

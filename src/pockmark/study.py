@@ -144,7 +144,10 @@ def _made_by(folder: Path) -> dict[str, str]:
 def _run(scene: dict[str, Any], folder: str, threads: int) -> str:
     """In a process of its own: run a scene; returns why it failed, or an empty text."""
     try:
-        _, finished = run_scene(Scene.from_dict(scene), folder, threads=threads, force=True, progress=False)
+        # Coarse runs are a campaign's own business: it sweeps the resolution, and its quick form is coarse on purpose.
+        _, finished = run_scene(
+            Scene.from_dict(scene), folder, threads=threads, force=True, progress=False, coarse=True
+        )
     except PockmarkError as error:
         return str(error).removeprefix(f"{folder}: ")
     return "" if finished else "interrupted"

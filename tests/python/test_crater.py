@@ -34,7 +34,7 @@ def hemisphere(radius, at=0.0):
 
 def close(crater, depth, major, minor, e1, e2):
     e = crater.pithead
-    found = (crater.depth / UM, e.major / UM, e.minor / UM, e.e1(crater.bottom[0]), e.e2)
+    found = (crater.depth / UM, e.major / UM, e.minor / UM, e.e1(crater.bottom, (1.0, 0.0)), e.e2)
     errors = np.array(found) - (depth, major, minor, e1, e2)
     print("C_p, D_max, D_min off by {:+.2f} {:+.2f} {:+.2f} um; e1, e2 by {:+.4f} {:+.4f}".format(*errors))
     assert np.all(np.abs(errors[:3]) < QUARTER)

@@ -36,7 +36,11 @@ SLIPS = [
     ),
     ("body.0.spacing=1e-300", "body[0] 'target': a spacing of 1e-300 m makes inf points"),
     ("body.1.spacing='30 um'", "body[1] 'projectile': a spacing of 3e-05 m leaves it without points"),
-    ("body.0.spacing='200 um'", "body[0] 'target': a spacing of 0.0002 m leaves it without points"),
+    (
+        "body.0={name='t', shape='block', lower=['-50 um', '0 um', '-50 um'], upper=['50 um', '50 um', '0 um'], "
+        "spacing='200 um', material='al2024-liu2015', rounded=true}",
+        "body[0] 't': a spacing of 0.0002 m leaves it without points",
+    ),
     (f"{ALUMINIUM}.density=1e-300", "end_time: 6e-08 s takes about inf steps with waves of inf m/s"),
     ("end_time='1000 s'", "steps with waves of"),
     (
@@ -87,15 +91,19 @@ def test_another_model_replaces_the_library_s():
     assert scene.materials["al2024-liu2015"].strength.model == "elastic"
 
 
-def test_check_tells_where_the_surface_of_the_points_is():
-    """A spacing that does not divide the height puts the points' surface off z = 0."""
+def test_check_tells_what_was_fitted_or_rounded():
+    """A spacing that does not divide a size gets smaller, or, rounded, changes the mass."""
     scene = Scene.load(QUICK).to_dict()
-    scene["body"][0]["spacing"] = 1.5e-6  # 50 um: 33 layers, 49.5 um
-    said = [w for w in forecast(Scene.from_dict(scene), 1).warnings if "surface lies" in w]
-    print(said)
-    assert len(said) == 1
-    assert "-0.5 um" in said[0]
-    assert not [w for w in forecast(Scene.load(QUICK), 1).warnings if "surface lies" in w]
+    scene["body"][0]["spacing"] = 1.45e-6  # 50 um: 34.5 layers
+    for rounded, sentence in (
+        (False, "body[0] 'target': its points lie 1.429 um apart, not 1.45 um, so that a whole number fits"),
+        (True, "body[0] 'target': rounded to whole spacings, it has 0.973 times the mass"),
+    ):
+        scene["body"][0]["rounded"] = rounded
+        said = forecast(Scene.from_dict(scene), 1).warnings
+        print(said)
+        assert any(sentence in w for w in said)
+    assert not any("target" in w for w in forecast(Scene.load(QUICK), 1).warnings if "apart" in w)
 
 
 def test_force_spares_what_is_not_pockmarks(tmp_path):

@@ -64,6 +64,7 @@ def test_block_lattice(h, count):
         spacing=h * UM,
         lower=(-100 * UM, 0, -100 * UM),
         upper=(100 * UM, 100 * UM, 0),
+        rounded=True,
     )
     assert len(lattice(block)) == count
 
@@ -163,8 +164,20 @@ MISTAKES = [
     ),
     ("materials.al2024-liu2015.strength={model='fluid', A=1}", "strength.A: unknown key"),
     ("materials.linear={based_on='al2024-liu2015', density=-1}", "materials.linear.density: found -1"),
-    ("impact.angle='95 deg'", "impact.angle: found 95 deg, expected 0 deg to less than 90 deg"),
-    ("impact.angle=-0.1", "impact.angle: found -5.72958 deg, expected 0 deg to less than 90 deg"),
+    (
+        "impact.angle='95 deg'",
+        "impact.angle: found 95 deg, expected more than -90 deg and less than 90 deg",
+    ),
+    ("impact.angle='-90 deg'", "impact.angle: found -90 deg, expected more than -90 deg and less"),
+    ("impact.azimuth='361 deg'", "impact.azimuth: found 361 deg, expected -360 deg to 360 deg"),
+    (
+        "impact={speed='1 km/s', angle='30 deg', azimuth='90 deg'}",
+        "impact.angle: 30 deg at an azimuth of 90 deg moves the projectiles across the symmetry plane y_lower",
+    ),
+    ("body.1.center=['0 um', '0 um']", "body[1]: needs either a center of x, y and z, or one of x and y"),
+    ("body.1.gap='0 um'", "body[1]: needs either a center of x, y and z, or one of x and y with gap"),
+    ("body.1.gap='-1 um'", "body[1].gap: found '-1 um', input should be greater than or equal to 0"),
+    ("body.1.center=['0 um']", "body[1]: needs either a center of x, y and z, or one of x"),
     ("numerics.scheme=mpm", "numerics.scheme: found 'mpm', input should be 'usf', 'musl', 'usl' or 'usavg'"),
     ("end_time='0 s'", "end_time: found '0 s'"),
     ("materials.x.based_on=unobtainium", "materials.x.based_on: found 'unobtainium'"),

@@ -7,7 +7,7 @@ import pytest
 
 from pockmark import PockmarkError, Scene
 from pockmark.bodies import Swarm
-from pockmark.lattice import count, lattice
+from pockmark.lattice import count, lattice, point_volume
 from pockmark.points import make_points
 from pockmark.toml import read_toml
 
@@ -32,19 +32,19 @@ def swarm(**changes):
     ("flux", "diameter", "rounded"), [(0.1, 7.553, 8), (0.5, 12.916, 13), (1.0, 16.273, 16)]
 )
 def test_the_flux_gives_the_diameter(flux, diameter, rounded):
-    exact = swarm(pitch="25 um", flux=f"{flux} mg/cm^2", rounded=False)
-    whole = swarm(pitch="25 um", flux=f"{flux} mg/cm^2")
-    print(f"{2e6 * exact.radius:.4f} um, rounded {2 * whole.balls[0].reach * 0.5:g} um")
+    exact = swarm(pitch="25 um", flux=f"{flux} mg/cm^2")
+    whole = swarm(pitch="25 um", flux=f"{flux} mg/cm^2", rounded=True)
+    print(f"{2e6 * exact.radius:.4f} um, rounded {2e6 * whole.fit.length:g} um")
     assert 2e6 * exact.radius == pytest.approx(diameter, abs=5e-4)
-    assert 2 * whole.balls[0].reach * 0.5 == rounded
-    mass = count(exact) * exact.spacing**3 * DENSITY
+    assert 2e6 * whole.fit.length == pytest.approx(rounded)
+    mass = count(exact) * point_volume(exact) * DENSITY
     asked = flux * 1e-2 * 100e-6 * 50e-6  # kg: 1 mg/cm^2 is .01 kg/m^2
-    print(f"mass of the points {mass / asked:.4f} of the flux's")
-    assert mass / asked == pytest.approx(1, rel=0.03)  # points fill a small ball so well
+    print(f"mass of the points {mass / asked:.6f} of the flux's")
+    assert mass / asked == pytest.approx(1, rel=1e-9)
 
 
 def test_the_lattice_is_the_papers():
-    body = swarm(pitch="25 um", flux="1.0 mg/cm^2")
+    body = swarm(pitch="25 um", flux="1.0 mg/cm^2", rounded=True)
     x, y, z = np.array(body.centers).T * 1e6
     assert sorted(zip(x.round(9), y.round(9), strict=True)) == [
         (a, b) for a in (-37.5, -12.5, 12.5, 37.5) for b in (12.5, 37.5)
@@ -97,12 +97,16 @@ def test_a_saved_swarm_is_the_same_swarm():
             "body.swarm.radius='3 um'",
             r"body: 'swarm': flux makes the radius 8.13649e-06, found 3e-06: give one of the two",
         ),
-        ("body.swarm.flux='4 mg/cm^2'", "balls 2.583e-05 m wide overlap at a pitch of 2.5e-05 m"),
+        ("body.swarm.flux='4 mg/cm^2'", "balls 2.6e-05 m wide overlap at a pitch of 2.5e-05 m"),
         ("body.swarm.flux='1 mg'", "flux: found '1 mg', expected a quantity in kg/m"),
         ("body.swarm.pitch='60 um'", "has no ball: the patch is smaller than a pitch"),
         ("body.swarm.upper=['-60 um', '50 um']", "upper must exceed lower in each direction"),
         ("body.swarm.height='5 um'", r"body\[1\] 'swarm': overlaps body\[0\] 'target'"),
         ("body.swarm.number=3", "and no number"),
+        (
+            "body.swarm.gap='0 um'",
+            "needs either height, of the centres, or gap, the clear height above z = 0",
+        ),
     ],
 )
 def test_a_slip_is_one_sentence(change, expected):
