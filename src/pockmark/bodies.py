@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Annotated, Literal, NamedTuple, Self
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from .materials import Model
-from .placement import at_random, on_lattice, sphere_diameter
+from .placement import MAX_BALLS, at_random, on_lattice, require_few, sphere_diameter
 from .units import ArealDensity, Length
 
 Vector = tuple[Length, Length, Length]
+MAX_SEED = 2**63 - 1  # TOML's largest whole number
 
 
 class Solid(Model):
@@ -21,7 +23,7 @@ class Solid(Model):
     name: str
     material: str
     spacing: Annotated[Length, Field(gt=0)]
-    projectile: bool = False
+    projectile: Annotated[bool, Field(strict=True)] = False
 
 
 def require_size(lower: Sequence[float], upper: Sequence[float]) -> None:
@@ -84,7 +86,7 @@ class Sphere(Balls):
     @property
     def balls(self) -> tuple[Ball, ...]:
         """Itself."""
-        return (Ball(self.center, round(self.radius / self.spacing)),)
+        return (Ball(self.center, float(np.round(self.radius / self.spacing))),)  # may be infinite
 
     @property
     def box(self) -> tuple[Vector, Vector]:
@@ -105,11 +107,13 @@ class Swarm(Balls):
     upper: tuple[Length, Length]
     height: Length
     pitch: Annotated[Length, Field(gt=0)] | None = None
-    seed: Annotated[int, Field(ge=0)] | None = None
+    seed: Annotated[int, Field(strict=True, ge=0, le=MAX_SEED)] | None = None
     flux: Annotated[ArealDensity, Field(gt=0)] | None = None
     radius: Annotated[Length, Field(gt=0)] | None = None
-    number: Annotated[int, Field(gt=0, le=100_000)] | None = None
-    rounded: bool = True  # the radius to a whole number of point spacings, as the paper's authors did
+    number: Annotated[int, Field(strict=True, gt=0, le=MAX_BALLS)] | None = None
+    rounded: Annotated[bool, Field(strict=True)] = (
+        True  # the radius to a whole number of point spacings, as the paper's authors did
+    )
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
@@ -132,7 +136,9 @@ class Swarm(Balls):
             return self._with("radius", diameter / 2)
         area = math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))
         ball = 4 / 3 * math.pi * (self.radius or 0.0) ** 3 * density
-        return self._with("number", round(self.flux * area / ball))
+        number = self.flux * area / ball if ball else math.inf
+        require_few(number)
+        return self._with("number", round(number))
 
     def _with(self, key: str, value: float) -> "Swarm":
         given = getattr(self, key)
@@ -164,7 +170,9 @@ class Swarm(Balls):
     def balls(self) -> tuple[Ball, ...]:
         """In the order of the centres."""
         reach = (self.radius or 0.0) / self.spacing
-        return tuple(Ball(center, round(reach) if self.rounded else reach) for center in self.centers)
+        return tuple(
+            Ball(center, float(np.round(reach)) if self.rounded else reach) for center in self.centers
+        )
 
     @property
     def box(self) -> tuple[Vector, Vector]:
