@@ -33,7 +33,7 @@ _NAME = r"[A-Za-zµμ°]+"
 _FACTOR = rf"{_NAME}(?:(?:\^|\*\*)[+-]?[1-9]|[1-9])?"
 _PRODUCT = rf"{_FACTOR}(?: ?[*/] ?{_FACTOR})*"
 _PART = rf"(?:{_FACTOR}|\( ?{_PRODUCT} ?\))"
-_QUANTITY = re.compile(rf" *({_NUMBER}) *((?:1? ?/ ?)?{_PART}(?: ?[*/] ?{_PART})*)? *")
+_QUANTITY = re.compile(rf" *({_NUMBER}) *((?:1?/ ?)?{_PART}(?: ?[*/] ?{_PART})*)? *")
 
 
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
@@ -107,7 +107,7 @@ def quantity(unit: str, low: float = -math.inf, high: float = math.inf) -> Befor
 
 
 Length = Annotated[float, quantity("m")]
-Speed = Annotated[float, quantity("m/s")]
+Speed = Annotated[float, quantity("m/s", 0.0, 1e6)]  # meteoroids have up to 72 km/s
 Angle = Annotated[float, quantity("rad")]
 Time = Annotated[float, quantity("s")]
 Number = Annotated[float, quantity("")]
