@@ -11,11 +11,12 @@ from pydantic import Field, model_validator
 from scipy.spatial import KDTree
 
 from .materials import Model
-from .placement import at_random, on_lattice, sphere_diameter
+from .placement import MAX_BALLS, at_random, on_lattice, require_few, sphere_diameter
 from .units import ArealDensity, Length
 
 Vector = tuple[Length, Length, Length]
 NOISE = 1e-9  # of a spacing: what floats leave of a whole number of spacings
+MAX_SEED = 2**63 - 1  # TOML's largest whole number
 
 
 class Solid(Model):
@@ -28,8 +29,8 @@ class Solid(Model):
     name: str
     material: str
     spacing: Annotated[Length, Field(gt=0)]
-    projectile: bool = False
-    rounded: bool = False
+    projectile: Annotated[bool, Field(strict=True)] = False
+    rounded: Annotated[bool, Field(strict=True)] = False
 
 
 class Fit(NamedTuple):
@@ -41,11 +42,14 @@ class Fit(NamedTuple):
 
     @classmethod
     def of(cls, length: float, spacing: float, rounded: bool) -> "Fit":
-        """Of a length (m): at least one of at most `spacing`, or with `rounded` exactly `spacing` each; halves are rounded down."""
+        """Fill a length (m) with pitches of at most `spacing`, or with `rounded` of exactly `spacing`, halves rounded down.
+
+        A length of less than a quarter of a spacing has none.
+        """
         ratio = length / spacing
         # NumPy's ceil, because it knows infinity.
-        number = float(np.ceil(ratio - 0.5 - NOISE) if rounded else max(1.0, np.ceil(ratio - NOISE)))
-        if abs(number - ratio) <= NOISE or not math.isfinite(number):
+        number = float(np.ceil(ratio - (0.5 if rounded else 0.0) - NOISE)) if ratio >= 0.25 else 0.0
+        if number == 0 or abs(number - ratio) <= NOISE or not math.isfinite(number):
             return cls(number, spacing, length)
         return cls(number, spacing, number * spacing) if rounded else cls(number, length / number, length)
 
@@ -160,10 +164,10 @@ class Swarm(Balls):
     height: Length | None = None
     gap: Annotated[Length, Field(ge=0)] | None = None
     pitch: Annotated[Length, Field(gt=0)] | None = None
-    seed: Annotated[int, Field(ge=0)] | None = None
+    seed: Annotated[int, Field(strict=True, ge=0, le=MAX_SEED)] | None = None
     flux: Annotated[ArealDensity, Field(gt=0)] | None = None
     radius: Annotated[Length, Field(gt=0)] | None = None
-    number: Annotated[int, Field(gt=0, le=100_000)] | None = None
+    number: Annotated[int, Field(strict=True, gt=0, le=MAX_BALLS)] | None = None
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
@@ -188,7 +192,9 @@ class Swarm(Balls):
             return self._with("radius", diameter / 2)
         area = math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))
         ball = 4 / 3 * math.pi * (self.radius or 0.0) ** 3 * density
-        return self._with("number", round(self.flux * area / ball))
+        number = self.flux * area / ball if ball else math.inf
+        require_few(number)
+        return self._with("number", round(number))
 
     def _with(self, key: str, value: float) -> "Swarm":
         given = getattr(self, key)

@@ -63,7 +63,7 @@ def load(folder: Path) -> Campaign:
     try:
         return Campaign.model_validate(read_toml(path))
     except ValidationError as error:
-        raise PockmarkError(f"{path}: {sentence(error)}") from None
+        raise PockmarkError(f"{path}: {sentence(error, Campaign)}") from None
 
 
 def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:

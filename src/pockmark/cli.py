@@ -2,19 +2,18 @@
 
 import os
 import sys
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
 
 from . import __version__
 from .bench import bench as run_bench
 from .bench import bench_scene
 from .campaign import FILE, cases, load
-from .errors import PockmarkError
+from .errors import PockmarkError, shown
 from .forecast import forecast
 from .report import report
 from .run import measure_run, plot_run, run_scene
@@ -23,6 +22,7 @@ from .simulation import thread_count
 from .stop import heard_between_steps
 from .store import to_json
 from .study import make_report, run_study, summary, write_results
+from .terminal import literal, make_console
 
 app = typer.Typer(
     help="Craters of micron-sized particles at kilometres per second, by the material point method.",
@@ -30,7 +30,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-console = Console()
+console = make_console()
+
+MAX_PATH = 4096  # characters of a path that are printed
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene in TOML.")]
 RunDir = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
@@ -66,7 +68,7 @@ def run(
         if expected.cells_across is not None:
             console.print(f"{expected.cells_across:.3g} cells across the projectile")
         for warning in expected.warnings:
-            console.print(f"[yellow]warning:[/yellow] {escape(warning)}")
+            console.print(literal("warning:", "yellow"), literal(warning))
     # What Ctrl-C leaves of the run is measured and drawn, however often it is pressed.
     with heard_between_steps():
         folder, finished = run_scene(
@@ -79,9 +81,9 @@ def run(
         )
         console.print(report(measure_run(folder.path)))
         for picture in plot_run(folder.path):
-            console.print(f"wrote {picture}")
+            console.print(f"wrote {shown(picture, MAX_PATH)}")
     if not finished:
-        console.print("[yellow]interrupted: what was computed is kept[/yellow]")
+        console.print("interrupted: what was computed is kept", style="yellow")
         raise typer.Exit(130)
 
 
@@ -90,7 +92,7 @@ def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -
     """Points, cells, steps, memory and time of a scene, before anything runs."""
     loaded = Scene.load(scene, overrides or ())
     expected = forecast(loaded, thread_count(threads))
-    table = Table(show_header=False, title=loaded.title or str(scene))
+    table = Table(show_header=False, title=literal(loaded.title or scene, "table.title"))
     table.add_row("points", f"{expected.points:,}")
     table.add_row("cells", f"{expected.cells:,}")
     if expected.cells_across is not None:
@@ -100,7 +102,7 @@ def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -
     table.add_row("time, about", f"{expected.seconds:,.0f} s on {thread_count(threads)} threads")
     console.print(table)
     for warning in expected.warnings:
-        console.print(f"[yellow]warning:[/yellow] {escape(warning)}")
+        console.print(literal("warning:", "yellow"), literal(warning))
 
 
 @app.command()
@@ -123,7 +125,7 @@ def plot(
 ) -> None:
     """Draw the slice through the crater and the history."""
     for picture in plot_run(folder, output):
-        console.print(f"wrote {picture}")
+        console.print(f"wrote {shown(picture, MAX_PATH)}")
 
 
 @app.command()
@@ -177,16 +179,16 @@ def study(
     try:
         outcomes = run_study(wanted, output, jobs=jobs, console=console)
     except KeyboardInterrupt:
-        console.print("[yellow]interrupted: what is done is kept, the same command goes on[/yellow]")
+        console.print("interrupted: what is done is kept, the same command goes on", style="yellow")
         raise typer.Exit(130) from None
     console.print(summary(outcomes, campaign.title or name))
     table = (output if quick else folder) / f"results{'-quick' if quick else ''}.csv"
     write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
-    console.print(f"wrote {table}")
+    console.print(f"wrote {shown(table, MAX_PATH)}")
     if campaign.report:
         make_report(folder / campaign.report, table, output)
     if failed := sum(bool(o.fault) for o in outcomes):
-        console.print(f"[red]{failed} of {len(outcomes)} runs failed[/red]")
+        console.print(f"{failed} of {len(outcomes)} runs failed", style="red")
         raise typer.Exit(1)
 
 
@@ -207,6 +209,8 @@ def _options(
 
 def main() -> None:
     """Entry point: a user's mistake is one sentence and exit code 2."""
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # a name need not fit the terminal's encoding
     try:
         app()
     except PockmarkError as error:
@@ -216,7 +220,8 @@ def main() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
     except OSError as error:
-        print(f"pockmark: {error.filename or 'output'}: {error.strerror or error}", file=sys.stderr)
+        where, what = error.filename or "output", error.strerror or error
+        print(f"pockmark: {shown(where, MAX_PATH)}: {shown(what)}", file=sys.stderr)
         sys.exit(2)
     except MemoryError:
         print("pockmark: there is not enough memory for this scene (see pockmark check)", file=sys.stderr)

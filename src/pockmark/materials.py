@@ -1,16 +1,17 @@
 """Materials: what a user writes, the cited library, and the core's material."""
 
+import math
 import tomllib
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 from . import _core
 from .errors import PockmarkError, found
-from .units import Density, Number, Pressure, Rate, SpecificHeat, Speed, Temperature
+from .units import quantity
 
 
 class Model(BaseModel):
@@ -19,43 +20,52 @@ class Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-Positive = Annotated[float, Field(gt=0)]
+# Every constant has a range: wide enough for aerogel, gels, foams, ice and osmium, and far too narrow for a slip of the
+# exponent or a forgotten unit.
+Modulus = Annotated[float, quantity("Pa", 1.0, 1e13)]
+Stress = Annotated[float, quantity("Pa", 0.0, 1e12)]
+Exponent = Annotated[float, quantity("", 1e-3, 20.0)]
+Rate = Annotated[float, quantity("1/s", 1e-8, 1e8)]
+DamageConstant = Annotated[float, quantity("", -100.0, 100.0)]
+Triaxiality = Annotated[float, quantity("", -100.0, 100.0)]
+Temperature = Annotated[float, quantity("K", 1.0, 1e5)]
+ViscosityFactor = Annotated[float, quantity("", 0.0, 20.0)]
 
 
 class MieGruneisen(Model):
     """Us = c0 + s up with a Grueneisen gamma (Liu et al. 2015, Eqs. 19-20 corrected)."""
 
     model: Literal["mie-gruneisen"]
-    c0: Annotated[Speed, Field(gt=0)]
-    s: Annotated[Number, Field(ge=0)]
-    gamma0: Annotated[Number, Field(ge=0)]
+    c0: Annotated[float, quantity("m/s", 1.0, 1e5)]
+    s: Annotated[float, quantity("", 0.0, 20.0)]
+    gamma0: Annotated[float, quantity("", 0.0, 20.0)]
 
 
 class LinearEos(Model):
     """p = K (rho/rho0 - 1)."""
 
     model: Literal["linear"]
-    bulk_modulus: Annotated[Pressure, Field(gt=0)]
+    bulk_modulus: Modulus
 
 
 class JohnsonCook(Model):
     """Liu et al. 2015, Eq. 16."""
 
     model: Literal["johnson-cook"]
-    shear_modulus: Annotated[Pressure, Field(gt=0)]
-    A: Annotated[Pressure, Field(gt=0)]
-    B: Annotated[Pressure, Field(ge=0)]
-    n: Annotated[Number, Field(gt=0)]
-    C: Annotated[Number, Field(ge=0)]
-    m: Annotated[Number, Field(gt=0)]
-    reference_rate: Annotated[Rate, Field(gt=0)] = 1.0
+    shear_modulus: Modulus
+    A: Annotated[float, quantity("Pa", 1.0, 1e12)]
+    B: Stress
+    n: Exponent
+    C: Annotated[float, quantity("", 0.0, 10.0)]
+    m: Exponent
+    reference_rate: Rate = 1.0
 
 
 class Elastic(Model):
     """A linear elastic deviator."""
 
     model: Literal["elastic"]
-    shear_modulus: Annotated[Pressure, Field(ge=0)]
+    shear_modulus: Modulus
 
 
 class Fluid(Model):
@@ -68,45 +78,83 @@ class Failure(Model):
     """Johnson-Cook failure, Liu et al. 2015, Eqs. 17-18, and what happens where its strain is <= 0."""
 
     treatment: Literal["inactive", "no_damage", "signed", "floor", "clamp_triaxiality"]
-    D1: Number = 0.0
-    D2: Number = 0.0
-    D3: Number = 0.0
-    D4: Number = 0.0
-    D5: Number = 0.0
-    reference_rate: Annotated[Rate, Field(gt=0)] = 1.0
-    floor: Annotated[Number, Field(gt=0)] = 1e-3
-    triaxiality_min: Number = -1.5
-    triaxiality_max: Number = 1.0 / 3.0
+    D1: DamageConstant = 0.0
+    D2: DamageConstant = 0.0
+    D3: DamageConstant = 0.0
+    D4: DamageConstant = 0.0
+    D5: DamageConstant = 0.0
+    reference_rate: Rate = 1.0
+    floor: Annotated[float, quantity("", 1e-9, 100.0)] = 1e-3
+    triaxiality_min: Triaxiality = -1.5
+    triaxiality_max: Annotated[Triaxiality, Field(validate_default=True)] = 1.0 / 3.0
+
+    @field_validator("triaxiality_max")
+    @classmethod
+    def _is_a_range(cls, high: float, known: ValidationInfo) -> float:
+        if high <= known.data.get("triaxiality_min", -math.inf):
+            raise ValueError(f"found {high:g}, triaxiality_max must exceed triaxiality_min")
+        return high
+
+    @property
+    def may_add_damage(self) -> bool:
+        """Whether any state has a failure strain above 0."""
+        if self.treatment == "inactive":
+            return False
+        if self.treatment == "floor" or self.D4 < 0 or self.D5 < 0:  # negative factors turn the sign
+            return True
+        return (self.D1 + self.D2 if self.D3 == 0 else max(self.D1, self.D2)) > 0
 
 
 class Thermal(Model):
     """Heat from plastic work, and melting."""
 
-    specific_heat: Annotated[SpecificHeat, Field(gt=0)]
-    room_temperature: Annotated[Temperature, Field(gt=0)] = 293.0
-    melt_temperature: Annotated[Temperature, Field(gt=0)]
-    taylor_quinney: Annotated[Number, Field(ge=0, le=1)] = 1.0
+    specific_heat: Annotated[float, quantity("J/(kg*K)", 1.0, 1e5)]
+    room_temperature: Temperature = 293.0
+    melt_temperature: Temperature
+    taylor_quinney: Annotated[float, quantity("", 0.0, 1.0)] = 1.0
+
+    @field_validator("melt_temperature")
+    @classmethod
+    def _is_hotter(cls, melt: float, known: ValidationInfo) -> float:
+        if melt <= known.data.get("room_temperature", -math.inf):
+            raise ValueError(f"found {melt:g} K, t_melt must exceed t_room")
+        return melt
 
 
 class Viscosity(Model):
     """Bulk viscosity q = rho l (quadratic l D^2 + linear c |D|) in compression."""
 
-    quadratic: Annotated[Number, Field(ge=0)] = 1.5
-    linear: Annotated[Number, Field(ge=0)] = 0.06
+    quadratic: ViscosityFactor = 1.5
+    linear: ViscosityFactor = 0.06
 
 
 class Material(Model):
     """One material, SI inside."""
 
     source: str
-    density: Annotated[Density, Field(gt=0)]
+    density: Annotated[float, quantity("kg/m^3", 1.0, 3e4)]
     eos: Annotated[MieGruneisen | LinearEos, Field(discriminator="model")]
     strength: Annotated[JohnsonCook | Elastic | Fluid, Field(discriminator="model")]
     failure: Failure
     thermal: Thermal
     viscosity: Viscosity = Viscosity()
     # Speed of impact on itself up to which its laws are meant: the material behind the shock then moves at half of it.
-    max_speed: Annotated[Speed, Field(gt=0)] | None = None
+    max_speed: Annotated[float, quantity("m/s", 1.0, 1e6)] | None = None
+
+    @field_validator("failure")
+    @classmethod
+    def _can_act(cls, failure: Failure, known: ValidationInfo) -> Failure:
+        """A law that was asked for adds damage somewhere."""
+        strength = known.data.get("strength")
+        if failure.treatment == "inactive":
+            return failure
+        if isinstance(strength, Elastic | Fluid):
+            why = f"cannot act on strength '{strength.model}', for damage comes with plastic strain alone"
+        elif not failure.may_add_damage:
+            why = f"adds no damage, for with D1 = {failure.D1:g} and D2 = {failure.D2:g} no failure strain is above 0"
+        else:
+            return failure
+        raise ValueError(f"treatment '{failure.treatment}' {why}; write failure.treatment = \"inactive\"")
 
     @property
     def bulk_modulus(self) -> float:
@@ -201,13 +249,14 @@ def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]
     return out
 
 
-def complete(name: str, written: Mapping[str, Any] | None, user: str = "") -> dict[str, Any]:
-    """The full table of a material: the library's, or the one `based_on` names, under what the scene writes.
+def complete(name: str, written: Any, user: str = "") -> Any:
+    """The full table of a material: the library's, or the one `based_on` names, under what the scene writes; what is written
+    and no table is returned as it is.
 
-    `user` is the key that names the material. Raises PockmarkError on an unknown name or something that is no table.
+    `user` is the key that names the material. Raises PockmarkError on an unknown name.
     """
     if written is not None and not isinstance(written, Mapping):
-        raise PockmarkError(f"materials.{name}: {found(written)}, expected a table")
+        return written
     changes = dict(written or {})
     base = changes.pop("based_on", name if name in library() else None)
     if base is None:

@@ -7,6 +7,8 @@ from typing import Any
 from .errors import PockmarkError
 from .materials import merge
 
+MAX_DEPTH = 20  # keys in a row; a scene has 5
+
 
 def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
     """The table with the change of the text; a body is named by its name or counted from 0. Raises PockmarkError."""
@@ -20,15 +22,22 @@ def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
 def _parse(text: str) -> dict[str, Any]:
     """ "a.b=value" as nested tables; the value is TOML, or else a plain text."""
     key, equals, value = text.partition("=")
-    if not equals or not key.strip():
+    keys = [part.strip() for part in key.split(".")]
+    if not equals or not all(keys) or len(keys) > MAX_DEPTH:
         raise PockmarkError(f"--set {text}: expected key=value")
-    try:
-        out: Any = tomllib.loads(f"v = {value}")["v"]
-    except (ValueError, RecursionError):
-        out = value.strip()
-    for part in reversed(key.strip().split(".")):
+    out = _value(value)
+    for part in reversed(keys):
         out = {part: out}
     return dict(out)
+
+
+def _value(text: str) -> Any:
+    """As TOML has it, or else the plain text, which may have lines of its own."""
+    try:
+        table = tomllib.loads(f"v = {text}")
+    except (ValueError, RecursionError):
+        return text.strip()
+    return table["v"] if len(table) == 1 else text.strip()
 
 
 def _changed(bodies: list[Any], changes: Mapping[str, Any]) -> list[Any]:

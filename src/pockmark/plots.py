@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .crater import Crater
+from .errors import shown
 from .store import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
@@ -80,8 +81,8 @@ class Cut:
         """The target's points in their colours, the projectile white, the original surface dotted."""
         size = _marker_size(axes, self.width)
         target = ~self.is_projectile
-        for part, shown in ((target, colour[target]), (self.is_projectile, "white")):
-            axes.scatter(self.x[part], self.z[part], c=shown, s=size[part], marker="s", linewidths=0)
+        for part, painted in ((target, colour[target]), (self.is_projectile, "white")):
+            axes.scatter(self.x[part], self.z[part], c=painted, s=size[part], marker="s", linewidths=0)
         axes.axhline(0.0, color="black", linestyle=":", linewidth=0.8)
 
 
@@ -100,7 +101,7 @@ def slice_figure(
     limits = cut.limits
     figure = Figure(figsize=_size(limits), layout="compressed")
     FigureCanvasAgg(figure)
-    figure.suptitle(title)
+    figure.suptitle(shown(title, 80), parse_math=False)
     panels = figure.subplots(3, 1, sharex=True, sharey=True)
     colours = [
         np.asarray([cast.colour(body) for body in cut.body]),
@@ -189,9 +190,11 @@ def _mark_depth(axes: Axes, crater: Crater | None, across: int) -> None:
 
 
 def _name_targets(axes: Axes, cast: Cast) -> None:
-    for body in cast.targets:
-        axes.scatter([], [], color=cast.colour(body), marker="s", label=cast.names[body])
-    axes.legend(loc="upper left", fontsize="small", ncols=2)
+    squares = [axes.scatter([], [], color=cast.colour(body), marker="s") for body in cast.targets]
+    legend = axes.legend(squares, ["target"] * len(squares), loc="upper left", fontsize="small", ncols=2)
+    # The names come last, for matplotlib leaves out labels that begin with "_".
+    for text, body in zip(legend.get_texts(), cast.targets, strict=True):
+        text.set(text=shown(cast.names[body], 40), parse_math=False)
 
 
 def history_figure(history: Fields) -> Figure:

@@ -7,6 +7,7 @@ from rich.table import Table
 
 from .counters import COUNTERS
 from .modes import ROMAN
+from .terminal import literal
 
 Results = Mapping[str, Any]
 
@@ -16,7 +17,7 @@ def report(result: Results) -> Table:
     table = Table(show_header=False, title="Crater")
     for part in (_crater, _group, _ejecta, _energy, _run, _counted):
         for name, value in part(result):
-            table.add_row(name, value)
+            table.add_row(literal(name), literal(value))
         table.add_section()
     return table
 

@@ -4,7 +4,7 @@ import hashlib
 import itertools
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -12,11 +12,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from .bodies import Body, Sphere, Swarm, Vector, overlap, require_size
-from .errors import PockmarkError, found
+from .errors import PockmarkError, found, together
 from .lattice import count, size
 from .materials import Material, Model, complete
 from .overrides import override
-from .sentences import sentence
+from .sentences import faults
 from .toml import read_toml, to_toml
 from .units import Angle, Length, Number, Speed, Time
 
@@ -185,107 +185,133 @@ class Scene(Model):
         cls, table: Mapping[str, Any], *, source: str = "scene", overrides: str | Sequence[str] = ()
     ) -> "Scene":
         """Build a scene from a table as TOML gives it. Raises PockmarkError naming `source` and the key."""
-        try:
-            merged = dict(table)
-            for text in [overrides] if isinstance(overrides, str) else overrides:
+        merged, told = dict(table), []
+        for text in [overrides] if isinstance(overrides, str) else overrides:
+            try:
                 merged = override(merged, text)
-            merged["materials"] = _materials_used(merged)
-            return cls.model_validate(merged)
+            except PockmarkError as error:
+                told.append(str(error))
+        told += _complete_materials(merged)
+        try:
+            scene = cls.model_validate(merged)
         except ValidationError as error:
-            raise PockmarkError(f"{source}: {sentence(error)}") from None
-        except PockmarkError as error:
-            raise PockmarkError(f"{source}: {error}") from None
+            # Without its materials a scene's tables cannot be held against each other.
+            told += faults([fault for fault in error.errors() if fault["loc"] or not told], cls)
+        if told:
+            raise PockmarkError(f"{source}: {together(told)}")
+        return scene
+
+    @field_validator("body", mode="before")
+    @classmethod
+    def _is_a_list(cls, bodies: Any) -> Any:
+        if not isinstance(bodies, list | tuple) or not bodies:
+            raise ValueError(f"{found(bodies)}, expected one [[body]] or more")
+        return bodies
 
     @field_validator("body")
     @classmethod
     def _swarms_are_resolved(cls, bodies: tuple[Body, ...], known: ValidationInfo) -> tuple[Body, ...]:
         materials = known.data.get("materials", {})  # none if they are faulty themselves
-        return tuple(
-            _resolved(body, materials[body.material].density)
-            if isinstance(body, Swarm) and body.material in materials
-            else body
-            for body in bodies
-        )
+        out: list[Body] = []
+        told = []
+        for body in bodies:
+            try:
+                if isinstance(body, Swarm) and body.material in materials:
+                    body = _resolved(body, materials[body.material].density)
+                out.append(body)
+            except ValueError as error:
+                told.append(f"'{body.name}': {error}")
+        if told:
+            raise ValueError(together(told))
+        return tuple(out)
 
     @model_validator(mode="after")
-    def _can_be_saved(self) -> Self:
+    def _is_sound(self) -> Self:
+        """Every fault that lies between the tables, at once."""
+        for i, body in enumerate(self.body):
+            if body.material not in self.materials:
+                raise ValueError(
+                    f"body[{i}].material: {found(body.material)}, which is not among the materials"
+                )
+        rules = (
+            self._can_be_saved,
+            self._bodies_fit,
+            self._contact_has_two_sides,
+            self._bodies_have_points,
+            self._symmetry_planes_are_kept,
+            self._comes_to_an_end,
+        )
+        # Points that are too many cannot be looked at.
+        told = [*self._points_can_be_numbered()] or [fault for rule in rules for fault in rule()]
+        if told:
+            raise ValueError(together(told))
+        return self
+
+    def _can_be_saved(self) -> Iterator[str]:
         try:
             self.to_toml().encode()
         except UnicodeEncodeError as error:
-            raise ValueError(f"found {error.object[error.start]!r} in a text, expected Unicode") from None
-        return self
+            yield f"found {error.object[error.start]!r} in a text, expected Unicode"
 
-    @model_validator(mode="after")
-    def _points_can_be_numbered(self) -> Self:
+    def _points_can_be_numbered(self) -> Iterator[str]:
         total = 0.0
         for i, body in enumerate(self.body):
             total += size(body)
             if not total <= MAX_POINTS:
                 key = f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m"
-                raise ValueError(f"{key} makes {size(body):.3g} points, at most {MAX_POINTS} fit")
-        return self
+                yield f"{key} makes {size(body):.3g} points, at most {MAX_POINTS} fit"
+                return
 
-    @model_validator(mode="after")
-    def _bodies_fit(self) -> Self:
+    def _bodies_fit(self) -> Iterator[str]:
         if len(self.body) > MAX_BODIES:
-            raise ValueError(f"body: found {len(self.body)} bodies, at most {MAX_BODIES} are allowed")
+            yield f"body: found {len(self.body)} bodies, at most {MAX_BODIES} are allowed"
+            return
         names = [b.name for b in self.body]
         for i, b in enumerate(self.body):
             key = f"body[{i}] '{b.name}'"
             if names.count(b.name) > 1:
-                raise ValueError(f"{key}: two bodies have this name")
-            self._check_inside(key, b)
+                yield f"{key}: two bodies have this name"
+            yield from self._outside(key, b)
         for (i, a), (j, b) in itertools.combinations(enumerate(self.body), 2):
             if overlap(a, b):
-                raise ValueError(f"body[{j}] '{b.name}': overlaps body[{i}] '{a.name}'")
-        return self
+                yield f"body[{j}] '{b.name}': overlaps body[{i}] '{a.name}'"
 
-    @model_validator(mode="after")
-    def _contact_has_two_sides(self) -> Self:
+    def _contact_has_two_sides(self) -> Iterator[str]:
         if self.contact and not (self.projectiles and self.targets):
-            raise ValueError("contact: needs a body with projectile = true and one without")
+            yield "contact: needs a body with projectile = true and one without"
         if self.contact and 2 * self.grid.node_count > MAX_NODES:
             nodes = 2 * self.grid.node_count
-            raise ValueError(f"contact: doubles the nodes to {nodes:.3g}, at most {MAX_NODES} fit")
-        return self
+            yield f"contact: doubles the nodes to {nodes:.3g}, at most {MAX_NODES} fit"
 
-    @model_validator(mode="after")
-    def _bodies_have_points(self) -> Self:
+    def _bodies_have_points(self) -> Iterator[str]:
         for i, body in enumerate(self.body):
             if count(body, self.grid.box) == 0:
-                raise ValueError(
-                    f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m leaves it without points"
-                )
-        return self
+                yield f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m leaves it without points"
 
-    @model_validator(mode="after")
-    def _symmetry_planes_are_kept(self) -> Self:
+    def _symmetry_planes_are_kept(self) -> Iterator[str]:
         impact = self.impact
         for mirror in self.mirrors if self.projectiles else ():
             if impact.velocity[mirror.axis]:
                 face = FACES[2 * mirror.axis + mirror.above]
-                raise ValueError(
+                yield (
                     f"impact.angle: {math.degrees(impact.angle):g} deg at an azimuth of {math.degrees(impact.azimuth):g} deg moves "
                     f"the projectiles across the symmetry plane {face}: compute what lies behind it, too, or turn impact.azimuth"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _comes_to_an_end(self) -> Self:
+    def _comes_to_an_end(self) -> Iterator[str]:
         for name, material in self.materials.items():
-            _check_laws(name, material)
+            yield from _unlawful(name, material)
         if not self.steps_about <= MAX_STEPS:
-            raise ValueError(
+            yield (
                 f"end_time: {self.end_time:g} s takes about {self.steps_about:.3g} steps with waves of {self.wave_speed:.3g} "
                 f"m/s in cells of {self.grid.cell:g} m, at most {MAX_STEPS:.0e} are allowed"
             )
         for key, interval in self.output.model_dump().items():
             if interval < self.end_time / MAX_OUTPUTS:
                 least = f"at least end_time/{MAX_OUTPUTS:.0e} = {self.end_time / MAX_OUTPUTS:g} s is needed"
-                raise ValueError(f"output.{key}: found {interval:g} s, {least}")
-        return self
+                yield f"output.{key}: found {interval:g} s, {least}"
 
-    def _check_inside(self, key: str, body: Body) -> None:
+    def _outside(self, key: str, body: Body) -> Iterator[str]:
         """What a body's points fill lies in the grid, but for half a spacing of a `rounded` body, whose points themselves do; a
         sphere may be cut by a symmetry plane through its centre."""
         tolerance = 1e-9 * self.grid.cell
@@ -302,7 +328,7 @@ class Scene(Model):
                 and abs(body.places[0][axis] - limit) <= tolerance
             ):
                 continue
-            raise ValueError(f"{key}: reaches {beyond * 1e6:.4g} um outside the grid's face {face}")
+            yield f"{key}: reaches {beyond * 1e6:.4g} um outside the grid's face {face}"
 
     def to_dict(self) -> dict[str, Any]:
         """Plain tables, SI numbers: from_dict gives the same scene back."""
@@ -360,39 +386,37 @@ def _unit(azimuth: float) -> tuple[float, float]:
     return ((c, s), (-s + 0.0, c), (-c, -s + 0.0), (s, -c))[quarters % 4]
 
 
-def _check_laws(name: str, material: Material) -> None:
-    """The core's own check of each law's constants. Raises ValueError."""
+def _unlawful(name: str, material: Material) -> Iterator[str]:
+    """What the core's own check of each law's constants says."""
     try:
         material.to_core()
     except ValueError as error:
-        raise ValueError(f"materials.{name}: {error}") from None
+        yield f"materials.{name}: {error}"
 
 
 def _resolved(swarm: Swarm, density: float) -> Swarm:
-    """With what follows from its flux, its balls known to fit."""
-    try:
-        swarm = swarm.resolved(density)
-        if not swarm.centers:
-            raise ValueError(
-                "has no ball: the patch is smaller than a pitch, or the flux less than one ball's"
-            )
-    except ValueError as error:
-        raise ValueError(f"'{swarm.name}': {error}") from None
+    """With what follows from its flux, its balls known to fit. Raises ValueError if they do not."""
+    swarm = swarm.resolved(density)
+    if not swarm.centers:
+        raise ValueError("has no ball: the patch is smaller than a pitch, or the flux less than one ball's")
     return swarm
 
 
-def _materials_used(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Complete tables of the materials that the bodies name and of those written in the scene."""
-    written = table.get("materials", {})
-    bodies = table.get("body", [{}])
+def _complete_materials(table: dict[str, Any]) -> list[str]:
+    """Put complete tables of the materials that the bodies name, and of those written, into a scene's table; what is no table
+    or list stays, to be told by its model. Returns what else is wrong with them."""
+    written, bodies = table.get("materials", {}), table.get("body")
     if not isinstance(written, Mapping):
-        raise PockmarkError(f"materials: {found(written)}, expected a table")
-    if not isinstance(bodies, list | tuple) or not bodies:
-        raise PockmarkError(f"body: {found(bodies)}, expected one [[body]] or more")
+        return []
     users: dict[str, str] = dict.fromkeys(written, "")
-    for i, body in enumerate(bodies):
-        if not isinstance(body, Mapping):
-            raise PockmarkError(f"body[{i}]: {found(body)}, expected a table")
-        if isinstance(name := body.get("material"), str):
+    for i, body in enumerate(bodies if isinstance(bodies, list | tuple) else ()):
+        if isinstance(body, Mapping) and isinstance(name := body.get("material"), str):
             users.setdefault(name, f"body[{i}].material")
-    return {name: complete(name, written.get(name), user) for name, user in users.items()}
+    told = []
+    table["materials"] = {}
+    for name, user in users.items():
+        try:
+            table["materials"][name] = complete(name, written.get(name), user)
+        except PockmarkError as error:
+            told.append(str(error))
+    return told

@@ -22,6 +22,7 @@ from .run import measure_run, run_scene
 from .scene import Scene
 from .simulation import thread_count
 from .store import RunFolder, told
+from .terminal import literal
 
 
 @dataclass
@@ -62,7 +63,7 @@ def run_study(cases: Sequence[Case], out: Path, *, jobs: int, console: Console) 
                 description=f"{len(outcomes)} of {len(cases)} runs"
                 + (f", {failed} failed" if failed else ""),
             )
-            bar.console.print(f"{case.label}: {fault or _short(outcomes[-1].result)}")
+            bar.console.print(literal(f"{case.label}: {fault or _short(outcomes[-1].result)}"))
     order = {case.scene.hash: i for i, case in enumerate(cases)}
     return sorted(outcomes, key=lambda o: order[o.case.scene.hash])
 
@@ -83,13 +84,14 @@ def is_done(folder: Path) -> bool:
 
 def summary(outcomes: Sequence[Outcome], title: str) -> Table:
     """A row a run."""
-    table = Table("run", "C_p (um)", "D_c (um)", "E_i^r", "", title=title)
+    table = Table("run", "C_p (um)", "D_c (um)", "E_i^r", "", title=literal(title, "table.title"))
     for outcome in outcomes:
         crater, energy = (outcome.result or {}).get("crater", {}), (outcome.result or {}).get("energy", {})
         shown = [_in_um(crater.get("depth")), _in_um(crater.get("diameter"))]
         residual = energy.get("residual_internal")
         shown.append("-" if residual is None else f"{residual:.4f}")
-        table.add_row(outcome.case.label, *shown, outcome.fault or ("was there" if outcome.kept else ""))
+        said = outcome.fault or ("was there" if outcome.kept else "")
+        table.add_row(literal(outcome.case.label), *shown, literal(said))
     return table
 
 
@@ -167,7 +169,7 @@ def _pool(jobs: int) -> ProcessPoolExecutor:
 
 def _progress(console: Console) -> Progress:
     return Progress(
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
         TimeElapsedColumn(),
         TimeRemainingColumn(),

@@ -1,8 +1,14 @@
-"""The only door for units: "20 um", "2.2 km/s", "15 deg" in, SI floats inside."""
+"""The only door for units: "20 um", "2.2 km/s", "15 deg" in, SI floats inside.
+
+A quantity is a text of at most 100 characters: a number, then its unit, nothing else. The number has digits, at most one
+decimal point and at most one exponent. The unit is made of names of `UNITS` (with SI prefixes), whole powers from -9 to 9
+(`cm^2`, `cm**2`, `cm2`), `*`, `/` and parentheses one deep: `J/(kg*K)`. It may begin with `1/`.
+"""
 
 import math
+import re
 from decimal import Decimal
-from functools import cache
+from functools import cache, lru_cache
 from typing import Annotated, Any
 
 import pint
@@ -10,53 +16,99 @@ from pydantic import BeforeValidator
 
 from .errors import found
 
+MAX_LENGTH = 100  # characters of a text
 
-@cache
-def _registry() -> pint.UnitRegistry[Any]:
-    # Decimal, so that "20 um" is the float 2e-05 itself and not a rounding of 20 times 1e-6.
-    return pint.UnitRegistry(non_int_type=Decimal)
+# What a name may mean, in pint's own words; pint knows hundreds more, constants and plain numbers among them.
+UNITS = re.compile(
+    "meter|gram|second|minute|hour|day|kelvin|degree_Celsius|degree_Fahrenheit|radian|degree|arcminute|hertz|newton|pascal|bar|"
+    "joule|watt|liter|electron_volt|calorie|erg|dyne|standard_atmosphere|metric_ton|micron|angstrom|inch|foot|mil|mile|pound|"
+    "pound_force_per_square_inch|kip_per_square_inch"
+)
+PREFIXES = re.compile("|atto|femto|pico|nano|micro|milli|centi|deci|hecto|kilo|mega|giga|tera")
+# Counted from a zero of their own, and so never a part of another unit.
+TEMPERATURES = ("degree_Celsius", "degree_Fahrenheit")
+
+_NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[+-]?(?:nan|inf)"
+_NAME = r"[A-Za-zµμ°]+"
+_FACTOR = rf"{_NAME}(?:(?:\^|\*\*)[+-]?[1-9]|[1-9])?"
+_PRODUCT = rf"{_FACTOR}(?: ?[*/] ?{_FACTOR})*"
+_PART = rf"(?:{_FACTOR}|\( ?{_PRODUCT} ?\))"
+_QUANTITY = re.compile(rf" *({_NUMBER}) *((?:1?/ ?)?{_PART}(?: ?[*/] ?{_PART})*)? *")
 
 
-def to_si(value: Any, unit: str) -> float:
+def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
     """Convert a number (already SI) or a text with a unit to a float in `unit`, an SI unit such as "m/s".
 
-    Raises ValueError with one sentence on a wrong unit or something that is no finite number.
+    Raises ValueError with one sentence on a wrong unit, on something that is no finite number, and below `low` or above `high`.
     """
     number = _to_float(value, unit)
     if not math.isfinite(number):
         raise ValueError(f"{found(value)}, expected a finite number")
+    if not low <= number <= high:
+        raise ValueError(f"{found(value)}, allowed is {low:g} to {high:g} {unit}".rstrip())
     return number
 
 
 def _to_float(value: Any, unit: str) -> float:
-    """to_si without the check that the number is finite."""
+    """to_si without the checks of the number itself."""
     if isinstance(value, bool):
         raise ValueError(f"{found(value)}, expected a quantity in {unit or 'no unit'}")
     if isinstance(value, int | float):
         return float(value) if abs(value) < 1e300 else math.inf  # a whole number may be beyond any float
     if not isinstance(value, str):
         raise ValueError(f"{found(value)}, expected a number or a text like '20 {unit}'")
+    text = _QUANTITY.fullmatch(value) if len(value) <= MAX_LENGTH else None
+    if text is None:
+        example = f"'20 {unit}' (a number, its unit, nothing else)" if unit else "'0.3' (a number alone)"
+        raise ValueError(f"{found(value)}, which is not a quantity such as {example}")
+    number, written = text[1], text[2] or ""
+    if bool(written) != bool(unit):
+        missing = f"its unit is missing: expected one in {unit}" if unit else "expected a quantity in no unit"
+        raise ValueError(f"{found(value)}, {missing}")
+    size = float(number)
+    if not (unit and math.isfinite(size)):
+        return size
+    # Decimal, so that "20 um" is the float 2e-05 itself and not a rounding of 20 times 1e-6; of "1e-999" nothing is left.
+    exact = Decimal(number) if size else Decimal(0)
     try:
-        quantity: Any = _registry().Quantity(value)
-        return float(quantity.to(unit or "dimensionless").magnitude)
-    except pint.DimensionalityError:
-        raise ValueError(f"{found(value)}, expected a quantity in {unit or 'no unit'}") from None
-    except Exception:
-        raise ValueError(f"{found(value)}, which is not a quantity such as '20 {unit}'") from None
+        return float(_registry().Quantity(exact, _known(written, unit)).to(unit).magnitude)
+    except ValueError as error:
+        raise ValueError(f"{found(value)}, {error}") from None
 
 
-def _quantity(unit: str) -> BeforeValidator:
-    return BeforeValidator(lambda value: to_si(value, unit))
+@cache
+def _registry() -> pint.UnitRegistry[Any]:
+    return pint.UnitRegistry(non_int_type=Decimal)
 
 
-Length = Annotated[float, _quantity("m")]
-Speed = Annotated[float, _quantity("m/s")]
-Angle = Annotated[float, _quantity("rad")]
-Time = Annotated[float, _quantity("s")]
-Pressure = Annotated[float, _quantity("Pa")]
-Density = Annotated[float, _quantity("kg/m^3")]
-ArealDensity = Annotated[float, _quantity("kg/m^2")]
-Temperature = Annotated[float, _quantity("K")]
-SpecificHeat = Annotated[float, _quantity("J/(kg*K)")]
-Rate = Annotated[float, _quantity("1/s")]
-Number = Annotated[float, _quantity("")]
+@lru_cache(maxsize=256)
+def _known(written: str, unit: str) -> Any:
+    """The unit that is written, as pint has it. Raises ValueError unless it is one of those allowed and measures what `unit`
+    does."""
+    registry = _registry()
+    for name in re.findall(_NAME, written):
+        prefix, base, _ = next(iter(registry.parse_unit_name(name)), ("", "", ""))
+        if not (PREFIXES.fullmatch(prefix) and UNITS.fullmatch(base)):
+            raise ValueError(f"where {name[:20]!r} is no unit that is known")
+        if base in TEMPERATURES and (prefix or name != written):
+            raise ValueError(f"where {name} is part of another unit: write K")
+    # Powers as pint has them, for it would read some names with digits in another way; "/s" as "1/s".
+    plain = re.sub(rf"({_NAME})(?:\^|\*\*)?([+-]?[1-9])", r"\1**\2", written.replace(" ", ""))
+    given = registry.Unit(re.sub("^1?/", "1/", plain))
+    # Not only the dimension: to pint an angle is a plain number.
+    if registry.get_root_units(given)[1] != registry.get_root_units(registry.Unit(unit))[1]:
+        raise ValueError(f"expected a quantity in {unit}")
+    return given
+
+
+def quantity(unit: str, low: float = -math.inf, high: float = math.inf) -> BeforeValidator:
+    """How a key of a table is read that is a quantity in `unit`, from `low` to `high`."""
+    return BeforeValidator(lambda value: to_si(value, unit, low, high))
+
+
+Length = Annotated[float, quantity("m")]
+Speed = Annotated[float, quantity("m/s", 0.0, 1e6)]  # meteoroids have up to 72 km/s
+Angle = Annotated[float, quantity("rad")]
+Time = Annotated[float, quantity("s")]
+Number = Annotated[float, quantity("")]
+ArealDensity = Annotated[float, quantity("kg/m^2")]

@@ -41,7 +41,7 @@ SLIPS = [
         "spacing='200 um', material='al2024-liu2015', rounded=true}",
         "body[0] 't': a spacing of 0.0002 m leaves it without points",
     ),
-    (f"{ALUMINIUM}.density=1e-300", "end_time: 6e-08 s takes about inf steps with waves of inf m/s"),
+    (f"{ALUMINIUM}.density=1e-300", f"{ALUMINIUM}.density: found 1e-300, allowed is 1 to 30000 kg/m^3"),
     ("end_time='1000 s'", "steps with waves of"),
     (
         "output.history='1e-9 ns'",
@@ -87,7 +87,8 @@ WITHOUT_OPTIONS = '{"scene_hash": "0", "run": {}, "options": {}, "ledger": {}, "
 
 
 def test_another_model_replaces_the_library_s():
-    scene = Scene.load(QUICK, [f"{ALUMINIUM}.strength={{model='elastic', shear_modulus='27 GPa'}}"])
+    elastic = f"{ALUMINIUM}.strength={{model='elastic', shear_modulus='27 GPa'}}"
+    scene = Scene.load(QUICK, [elastic, f"{ALUMINIUM}.failure.treatment=inactive"])
     assert scene.materials["al2024-liu2015"].strength.model == "elastic"
 
 

@@ -1,5 +1,7 @@
 """Swarms: the paper's lattice of spheres (Liu et al. 2015, Eq. 29 and Table 3), and random places."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +10,7 @@ import pytest
 from pockmark import PockmarkError, Scene
 from pockmark.bodies import Swarm
 from pockmark.lattice import count, lattice, point_volume
+from pockmark.placement import TRIES, at_random
 from pockmark.points import make_points
 from pockmark.toml import read_toml
 
@@ -65,7 +68,7 @@ def test_random_places_are_apart_and_come_again_with_the_seed():
     assert first.centers == again.centers != other.centers
 
 
-def at_random(number):
+def random_group(number):
     """The group's scene with its balls at random places."""
     table = read_toml(GROUP)
     swarm = {key: value for key, value in table["body"][1].items() if key not in ("pitch", "flux")}
@@ -76,7 +79,7 @@ def test_a_saved_swarm_is_the_same_swarm():
     scenes = [
         Scene.load(GROUP),
         Scene.load(GROUP, ["body.swarm.rounded=false"]),
-        Scene.from_dict(at_random(6)),
+        Scene.from_dict(random_group(6)),
     ]
     for scene in scenes:
         again = Scene.from_dict(scene.to_dict())
@@ -116,6 +119,99 @@ def test_a_slip_is_one_sentence(change, expected):
     assert "\n" not in str(caught.value)
 
 
+FORGOTTEN = [
+    ("pitch='1e-15 m'\nradius='1e-16 m'", "makes 3.2e+21 balls, at most 5000 are allowed"),
+    (
+        "seed=1\nnumber=100000\nradius='0.01 um'",
+        "number: found 100000, input should be less than or equal to 5000",
+    ),
+    ("seed=1\nnumber=5000\nradius='0.4 um'", "found places for 3"),
+    ("seed=1\nnumber=5000\nradius='1e-9 um'", "leaves it without points"),
+    ("pitch='20 um'\nradius=5", "balls 10 m wide overlap at a pitch of 2e-05 m"),
+    ("pitch=20\nradius='5 um'", "has no ball: the patch is smaller than a pitch"),
+    ("pitch='20 um'\nflux=0.1\nradius='5 um'", "flux makes the radius"),
+    ("seed=1\nnumber=3\nradius=5", "balls 10 m wide do not fit into the patch"),
+    ("seed=1\nradius='0.5 um'\nflux=1", "balls, at most 5000 are allowed: has each length its unit?"),
+    ("seed=1\nradius=1e-200\nflux=1", "makes inf balls, at most 5000 are allowed"),
+    ("pitch='20 um'\nradius='5 um'\nlower=[-40,0]\nupper=[40,40]", "makes 8e+12 balls"),
+    ("seed=1\nnumber=5000\nradius='5 um'\nlower=[-40,0]\nupper=[40,40]", "outside the grid's face"),
+    ("pitch='20 um'\nradius='5 um'\nspacing=1.25", "a spacing of 1.25 m leaves it without points"),
+    ("pitch='20 um'\nradius='5 um'\nspacing=5e-324", "makes inf points"),
+    ("pitch='20 um'\nradius='5 um'\nheight=10", "outside the grid's face z_upper"),
+    ("seed='1'\nradius='5 um'\nnumber=2", "seed: found '1', input should be a valid integer"),
+]
+
+LIMITED = """
+import resource, sys, time
+from pockmark import PockmarkError, Scene
+from pockmark.toml import read_toml
+table = read_toml(sys.argv[1])
+Scene.from_dict(table)  # what is imported and kept for all scenes
+used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 200_000_000,) * 2)
+import tomllib
+for text in sys.argv[2:]:
+    body = table["body"][1]
+    if text:
+        kept = {k: body[k] for k in ("name", "material", "projectile")}
+        patch = {"shape": "swarm", "lower": ["-40 um", "0 um"], "upper": ["40 um", "40 um"], "height": "10 um"}
+        body = kept | {"spacing": "1.25 um"} | patch | tomllib.loads(text)
+    else:
+        body = body | {"spacing": 5e-324}
+    start = time.process_time()
+    try:
+        Scene.from_dict(table | {"body": [table["body"][0], body]})
+        said = "accepted"
+    except PockmarkError as error:
+        said = str(error)
+    print(f"{time.process_time() - start:.2f} {said}")
+"""
+
+
+def test_a_forgotten_unit_is_answered_at_once_and_in_little_memory():
+    texts = ["", *(text for text, _ in FORGOTTEN)]
+    command = [sys.executable, "-c", LIMITED, str(GROUP.parent / "quick.toml"), *texts]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    print(done.stdout, done.stderr)
+    assert done.returncode == 0
+    answers = done.stdout.splitlines()
+    assert len(answers) == len(texts)
+    for answer, (_, sentence) in zip(answers, [("", "makes inf points"), *FORGOTTEN], strict=True):
+        assert sentence in answer
+        assert float(answer.split()[0]) < 2
+
+
+def one_by_one(lower, upper, radius, number, seed):
+    """Places as they were first drawn: all tries of a ball at once, each held against every place before."""
+    low, high = np.asarray(lower) + radius, np.asarray(upper) - radius
+    generator = np.random.default_rng(seed)
+    places = np.empty((0, 2))
+    for _ in range(number):
+        tried = generator.uniform(low, high, (TRIES, 2))
+        clear = np.ones(TRIES, dtype=bool)
+        for place in places:
+            clear &= ((tried - place) ** 2).sum(axis=1) >= (2 * radius) ** 2
+        if not clear.any():
+            return len(places)
+        places = np.vstack([places, tried[np.argmax(clear)]])
+    return [tuple(place) for place in places.tolist()]
+
+
+@pytest.mark.parametrize("upper", [(50e-6, 50e-6), (50e-6, 17e-6), (-33e-6, 50e-6)])
+@pytest.mark.parametrize(
+    ("radius", "number"), [(4e-6, 9), (8e-6, 8), (2e-6, 40), (1e-9, 40), (4e-6, 1), (3.5e-6, 80)]
+)
+def test_a_seed_keeps_its_places(radius, number, upper):
+    lower = (-50e-6, 0.0)
+    for seed in (1, 10**18):
+        expected = one_by_one(lower, upper, radius, number, seed)
+        if isinstance(expected, int):
+            with pytest.raises(ValueError, match=f"found places for {expected} of {number} balls"):
+                at_random(lower, upper, radius, number, seed)
+        else:
+            assert at_random(lower, upper, radius, number, seed) == expected
+
+
 def test_a_patch_too_full_is_told():
     with pytest.raises(PockmarkError, match=r"found places for \d+ of 60 balls 1.6e-05 m wide"):
-        Scene.from_dict(at_random(60))
+        Scene.from_dict(random_group(60))
