@@ -57,8 +57,9 @@ class Cut:
 
     @classmethod
     def of(cls, snapshot: Fields, cast: Cast, plane: float, spacing: float) -> "Cut":
-        """Through the plane y = `plane` (m)."""
+        """Through the plane y = `plane` (m); of points that are somewhere."""
         near = np.abs(snapshot["position"][:, 1] - plane) < spacing
+        near &= np.isfinite(snapshot["position"]).all(axis=1) & (snapshot["volume"] > 0)
         position, body = snapshot["position"][near] * 1e6, snapshot["body"][near]
         return cls(
             position[:, 0],
@@ -86,7 +87,14 @@ class Cut:
 
 
 def slice_figure(
-    snapshot: Fields, cast: Cast, *, plane: float, spacing: float, crater: Crater | None, title: str
+    snapshot: Fields,
+    cast: Cast,
+    *,
+    plane: float,
+    spacing: float,
+    crater: Crater | None,
+    title: str,
+    is_perforated: bool = False,
 ) -> Figure:
     """Points within one `spacing` (m) of y = `plane`: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
     cut = Cut.of(snapshot, cast, plane, spacing)
@@ -110,6 +118,10 @@ def slice_figure(
     for axes, colour in zip(panels, colours, strict=True):
         cut.draw(axes, np.asarray(colour))
         _mark_depth(axes, crater)
+        if is_perforated:
+            axes.set_title("perforated", loc="right", color="crimson")
+        if len(cut.x) == 0:
+            axes.text(0.5, 0.3, "no point is left in this plane", ha="center", transform=axes.transAxes)
     if len(cast.targets) > 1:
         _name_targets(panels[0], cast)
     return figure

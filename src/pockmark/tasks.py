@@ -41,11 +41,11 @@ class History:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
-        self._written = -1
+        self._written = -1.0
 
     def act(self, simulation: Simulation) -> None:
-        """Write a row, if there is none of this step yet."""
-        if simulation.steps == self._written:
+        """Write a row, if there is none of this time yet."""
+        if simulation.time == self._written:
             return
         ledger = simulation.ledger()
         row = {"time": simulation.time, "step": float(simulation.steps), "points": float(simulation.points)}
@@ -54,7 +54,7 @@ class History:
         row["max_compression"] = simulation.max_compression
         row |= {key: float(value) for key, value in simulation.counters().items()}
         self.folder.append_history(row)
-        self._written = simulation.steps
+        self._written = simulation.time
 
 
 class Snapshots:
@@ -65,15 +65,15 @@ class Snapshots:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
-        self._written = -1
+        self._written = -1.0
 
     def act(self, simulation: Simulation) -> None:
-        """Write all fields of all points, if this step's are not written yet."""
-        if simulation.steps == self._written:
+        """Write all fields of all points, if this time's are not written yet."""
+        if simulation.time == self._written:
             return
         # Field by field: all at once would double the memory of the run.
         self.folder.write_snapshot(LiveFields(simulation), simulation.time, simulation.steps)
-        self._written = simulation.steps
+        self._written = simulation.time
 
 
 class ProgressBar:

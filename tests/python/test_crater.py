@@ -5,8 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from pockmark.crater import SIGMA, measure_target
+from pockmark.crater import measure_target
 from pockmark.scene import Mirror
+from pockmark.surface import SIGMA
 from pockmark.uncertainty import LEVELS, uncertainties
 
 UM = 1e-6
