@@ -93,9 +93,10 @@ def floor_of(surface: Surface) -> Array:
 
 
 def _lowest(surface: Surface) -> Array:
-    """Lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor; the lowest node in
-    the column of a hole."""
-    lowest = np.argmax(surface.fraction <= 0.5, axis=2)
+    """Lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor; about the wall's back
+    in a hole."""
+    above = surface.within.start if surface.holes.any() else 0  # what a hole lets in below is no crater
+    lowest = above + np.argmax(surface.fraction[:, :, above:] <= 0.5, axis=2)
     return surface.crossing(np.maximum(lowest - 1, 0))
 
 

@@ -214,5 +214,5 @@ def history_figure(history: Fields) -> Figure:
     error.plot(time, history["error"] / scale * (100 if shares else 1))
     error.set(ylabel="ledger error (%)" if shares else "ledger error (J)")
     depth.plot(time, history["depth"] * 1e6)
-    depth.set(ylabel="depth on the axis (um),\nan estimate, not $C_p$", xlabel="time (ns)")
+    depth.set(ylabel="depth of the deepest column (um),\nan estimate, not $C_p$", xlabel="time (ns)")
     return figure

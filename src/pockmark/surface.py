@@ -194,17 +194,16 @@ def _neighbourhood(
     """Corners (m) of a box around what is open below z = 0: coarse cells less than half full that hang together with
     the open ones just below the plane. Nothing counts that has left the wall sideways or through its back."""
     below = position[:, 2] < 0
-    if wall:
-        below &= np.all((position >= wall.lower) & (position <= (*wall.upper[:2], np.inf)), axis=1)
     if not below.any():
         return None
     width = spacing * np.array([2.0, 2.0, 1.0])
     position = position[below]
-    ends = [(e - origin) / width for e in (position.min(axis=0), position.max(axis=0))]
-    first, last = np.floor(ends[0]).astype(np.int64), np.ceil(ends[1]).astype(np.int64)
+    lower, upper = (wall.lower, wall.upper) if wall else (position.min(axis=0), position.max(axis=0))
+    first = np.floor((np.array(lower) - origin) / width + 1e-6).astype(np.int64)
+    last = np.ceil((np.array(upper) - origin) / width - 1e-6).astype(np.int64)
     last[2] = 0
     lower = origin + first * width
-    opened = filling(position, volume[below], lower, width, last - first) < 0.5
+    opened = filling(position, volume[below], lower, width, (last - first).tolist()) < 0.5
     low, high = np.array([EDGE, EDGE, 0]), last - first - [EDGE, EDGE, 0]
     for mirror in mirrors:
         a, cells = mirror.axis, (mirror.at - origin[mirror.axis]) / width[mirror.axis]

@@ -98,7 +98,7 @@ class ProgressBar:
             return
         self._shown = time.monotonic()
         live = live_depth(simulation)
-        crater = "perforated" if live.is_perforated else f"depth about {live.depth * 1e6:.1f} um"
+        crater = "perforated" if live.is_perforated else f"depth about {live.depth * 1e6:z.1f} um"
         state = f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s  {crater}"
         self._bar.update(self._task, completed=simulation.time, state=state)
 
