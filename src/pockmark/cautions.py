@@ -11,7 +11,7 @@ from .hole import Hole
 from .results import misplaced
 from .scene import Mirror, Scene
 from .surface import Surface
-from .wall import Wall
+from .wall import LEAST_LAYERS, Wall
 
 SETTLED = 0.02  # change of the depth in the last tenth of a run
 ENOUGH_CELLS = 10  # across the projectile's diameter
@@ -25,6 +25,8 @@ def missing(snapshot: Mapping[str, NDArray[Any]], scene: Scene, wall: Wall | Non
     elif wall is None:
         tops = ", ".join(f"{scene.body[i].box[1][2] * 1e6:.4g} um" for i in scene.targets)
         yield f"no block of the target has its top at z = 0, where the crater is measured from (found {tops}): nothing is measured"
+    elif wall.layers < LEAST_LAYERS:
+        yield "the target is one point thick, where neither a crater nor a hole can be told: nothing is measured"
     elif nowhere := misplaced(snapshot):
         yield f"{nowhere:,} points have a place, velocity, volume or mass that is no number: nothing is measured"
     elif not (here := np.isin(snapshot["body"], wall.bodies)).any():
@@ -90,9 +92,9 @@ def of_resolution(wall: Wall | None, cells: float | None, change: float | None) 
             f"resolution: {cells:.3g} cells across the projectile, fewer than {ENOUGH_CELLS}: a finer grid gives "
             "other measures"
         )
-    if wall and (layers := wall.thickness / wall.spacing) < ENOUGH_LAYERS - 0.5:
+    if wall and LEAST_LAYERS <= wall.layers < ENOUGH_LAYERS - 0.5:
         yield (
-            f"the target is {layers:.2g} points thick, fewer than {ENOUGH_LAYERS}: whether it is perforated is not resolved"
+            f"the target is {wall.layers:.2g} points thick, fewer than {ENOUGH_LAYERS}: whether it is perforated is not resolved"
         )
     if change is not None and change > SETTLED:
         yield f"the depth still changes by {change:.1%} in the last tenth of the run: it has not settled"

@@ -10,7 +10,7 @@ from scipy import ndimage
 from .scene import Scene
 from .simulation import Simulation
 from .surface import EDGE, largest_piece
-from .wall import Wall, first_wall
+from .wall import LEAST_LAYERS, Wall, first_wall
 
 Array = NDArray[np.float64]
 OUTSIDE = 1  # nodes that the core keeps beyond each face
@@ -29,7 +29,7 @@ def live_depth(simulation: Simulation) -> Live:
     but for a crater of few cells."""
     scene = simulation.scene
     wall = first_wall(scene)
-    if wall is None or simulation.points == 0:
+    if wall is None or wall.layers < LEAST_LAYERS or simulation.points == 0:
         return Live(math.nan)
     within, z = _within(wall, scene)
     if any(s.start >= s.stop for s in within) or len(z) < 2:

@@ -17,7 +17,7 @@ from .morphology import Group, Pit
 from .scene import Mirror
 from .surface import Field, Surface, target_field
 from .uncertainty import LEVELS, half_difference, uncertainties
-from .wall import Wall
+from .wall import LEAST_LAYERS, Wall
 
 SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
 SHAPE = (
@@ -47,7 +47,7 @@ def field_of(
     snapshot: Mapping[str, NDArray[Any]], wall: Wall | None, mirrors: Sequence[Mirror]
 ) -> Field | None:
     """The wall near its crater in a snapshot of all points; None if nothing of it is open, or the points are no longer anywhere."""
-    if wall is None or misplaced(snapshot):
+    if wall is None or wall.layers < LEAST_LAYERS or misplaced(snapshot):
         return None
     is_target = np.isin(snapshot["body"], wall.bodies)
     position, volume = snapshot["position"][is_target], snapshot["volume"][is_target]

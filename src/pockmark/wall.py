@@ -8,6 +8,7 @@ from .bodies import Block, Body
 from .scene import FaceKind, Scene
 
 Corner = tuple[float, float, float]
+LEAST_LAYERS = 1.5  # of points, that a wall must have to be measured
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,11 @@ class Wall:
     def thickness(self) -> float:
         """From z = 0 to the back, m."""
         return -self.lower[2]
+
+    @property
+    def layers(self) -> float:
+        """Points through it: with fewer than two there is no inside to be told from a hole."""
+        return self.thickness / self.spacing
 
     @property
     def is_backed(self) -> bool:

@@ -202,6 +202,16 @@ def test_a_target_off_the_plane_is_not_measured(tmp_path):
     assert "-8 um" in result["warnings"][0]
 
 
+def test_a_foil_of_one_point_is_not_measured(tmp_path):
+    scene = scene_of(tmp_path, bottom=-2, z_lower="free")
+    snapshot = state(scene)
+    snapshot["position"][snapshot["body"] == 0, 2] -= 3e-6
+    result = measured(snapshot, scene)
+    assert has_no_crater(result)
+    assert result["crater"]["perforated"] is None
+    assert "one point thick" in result["warnings"][0]
+
+
 def test_the_change_of_the_last_tenth():
     time = np.linspace(0, 100e-9, 101)
     assert depth_change(time, np.minimum(time, 50e-9)) == 0
