@@ -13,6 +13,7 @@
 
 #include "bandwidth.hpp"
 #include "solver.hpp"
+#include "surface_probe.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -59,11 +60,15 @@ void require_valid(const Model& model, const char* what) {
 }
 
 template <class V>
-nb::object to_array(std::vector<V> values, std::size_t rows, std::size_t columns) {
+nb::object to_array(std::vector<V> values, std::size_t dimensions, const std::size_t* shape) {
   auto* owned = new std::vector<V>(std::move(values));
   nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<V>*>(p); });
+  return nb::cast(nb::ndarray<nb::numpy, V>(owned->data(), dimensions, shape, owner));
+}
+template <class V>
+nb::object to_array(std::vector<V> values, std::size_t rows, std::size_t columns) {
   const std::size_t shape[2] = {rows, columns};
-  return nb::cast(nb::ndarray<nb::numpy, V>(owned->data(), columns == 1 ? 1 : 2, shape, owner));
+  return to_array(std::move(values), columns == 1 ? 1 : 2, shape);
 }
 
 // Runs the stress update alone, as the step does, on rows of states: volume, energy, pressure, viscosity,
@@ -336,20 +341,18 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(
           "set_field", [](S& s, const std::string& name, Doubles v) { set_field(s.solver, name, v); },
           "name"_a, "values"_a)
-      // Height (m) and body of the points within a radius of a vertical line.
+      // Share of the space around each node, the rim of nodes included, that some bodies fill.
       .def(
-          "column",
-          [](const S& s, double x, double y, double radius) {
-            std::vector<double> height;
-            std::vector<std::uint8_t> body;
-            s.solver.for_each_point_near_line(x, y, radius, [&](std::size_t p) {
-              height.push_back(s.solver.position(p).z);
-              body.push_back(s.solver.points().body[p]);
-            });
-            const std::size_t n = height.size();
-            return nb::make_tuple(to_array(std::move(height), n, 1), to_array(std::move(body), n, 1));
+          "volume_fraction",
+          [](const S& s, const std::vector<std::uint8_t>& counts) {
+            if (counts.size() != s.materials.size())
+              throw std::invalid_argument("volume_fraction: a number a body is needed");
+            const auto& g = s.solver.grid().geometry;
+            const std::size_t shape[3] = {std::size_t(g.nodes(0)), std::size_t(g.nodes(1)),
+                                          std::size_t(g.nodes(2))};
+            return to_array(volume_fraction(s.solver, counts), 3, shape);
           },
-          "x"_a, "y"_a, "radius"_a)
+          "counts"_a)
       .def("ledger", [](const S& s) { return get_ledger(s.solver); })
       .def("counters",
            [](const S& s) {

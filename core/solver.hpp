@@ -190,24 +190,10 @@ class Solver {
     return ((trial - T(3) * m.shear_modulus() * strain) / trial) * point.deviator;
   }
 
-  // f(p) for the points within `radius` of the line parallel to z through (x, y), m.
+  // f(tile, block) for every block, in parallel; those at work at a time share no node.
   template <class F>
-  void for_each_point_near_line(double x, double y, double radius, F&& f) const {
-    const auto& g = grid_.geometry;
-    const double at[2] = {(x - double(g.lower.x)) / double(g.cell) + g.pad,
-                          (y - double(g.lower.y)) / double(g.cell) + g.pad};
-    const double reach = radius / double(g.cell);
-    tiles_.visit(1, [&](int, const Block& block) {
-      for_each_run(block, [&](const Run& run) {
-        for (int a = 0; a < 2; ++a)
-          if (run.base[a] > at[a] + reach || run.base[a] + 2 < at[a] - reach) return;
-        for (std::size_t p = run.begin; p < run.end; ++p) {
-          const auto f_p = points_.vector(Field::place, p);
-          const double dx = run.base[0] + double(f_p.x) - at[0], dy = run.base[1] + double(f_p.y) - at[1];
-          if (dx * dx + dy * dy < reach * reach) f(p);
-        }
-      });
-    });
+  void for_each_block_apart(F&& f) const {
+    tiles_.scatter_all(threads_, f);
   }
   // f(p) for the points that have not left; those that have stay in memory until the next sort.
   template <class F>

@@ -25,7 +25,8 @@ def contour_area(fraction: Array) -> float:
 
 def largest_contour(fraction: Array) -> Array | None:
     """The contour (n, 2), in nodes, around the largest area below one half of a slice (nx, ny); None without any."""
-    return max(_contours(fraction), key=lambda c: abs(_signed_area(c)), default=None)
+    around = [contour for contour in _contours(fraction) if _signed_area(contour)]
+    return max(around, key=lambda c: abs(_signed_area(c)), default=None)
 
 
 def polygon_moments(contour: Array) -> Moments:

@@ -10,45 +10,59 @@ from scipy import ndimage
 
 from .contours import contour_area, largest_contour, polygon_moments
 from .ellipse import Ellipse, ellipse_of
+from .rim import Rim, crest_height, mean_crest, rim_of
 from .scene import Mirror
-from .surface import Surface, target_field
+from .surface import SIGMA, Surface, target_field
+from .wall import Wall
 
 Array = NDArray[np.float64]
-SIGMA = 1 / math.sqrt(
-    12
-)  # standard deviation of a surface that lies evenly within one point spacing, in spacings
-SECTORS = 36  # directions that the rim's crest is looked for in
 FIT_RADIUS = 3.0  # of the bottom's paraboloid, spacings
 PATCH = 16  # columns of a cell's area, whose heights err together
 
 
 @dataclass(frozen=True)
 class Crater:
-    """Depth C_p below z = 0 (m), centre of the bottom (x, y; m) and its standard uncertainty along the heading (m), volume (m^3) below
-    z = 0, mean height of the rim's crest (m); of the pithead the contour (n, 2; m) h/2 below z = 0, its ellipse at z = 0 and the
-    diameter D_c (m) of the circle of its area: None where no closed edge lies around the bottom."""
+    """Depth C_p below z = 0 (m), centre of the bottom (x, y; m) and its standard uncertainty along the heading (m); where a
+    closed edge lies around the bottom also the volume (m^3) below z = 0, the mean height of the rim's crest (m), and of the
+    pithead the diameter D_c (m) of the circle of its area, the contour (n, 2; m) h/2 below z = 0, and its ellipse at z = 0;
+    and the rim, where there is one."""
 
     depth: float
     bottom: tuple[float, float]
     bottom_uncertainty: float
-    volume: float
-    rim_height: float
+    volume: float | None
+    rim_height: float | None
     diameter: float | None
     contour: Array | None
     pithead: Ellipse | None
+    rim: Rim | None = None
+
+    @property
+    def rim_diameter(self) -> float | None:
+        """From crest to crest, m; None without a rim."""
+        return self.rim.diameter if self.rim else None
 
 
 def measure_target(
-    position: Array, volume: Array, spacing: float, *, mirrors: Sequence[Mirror] = (), level: float = 0.5
+    position: Array,
+    volume: Array,
+    spacing: float,
+    *,
+    mirrors: Sequence[Mirror] = (),
+    wall: Wall | None = None,
+    level: float = 0.5,
 ) -> Crater | None:
     """The crater in the target's points, as for `target_field`, at a level of the fraction; None if there is none."""
-    field = target_field(position, volume, spacing, mirrors=mirrors)
+    field = target_field(position, volume, spacing, mirrors=mirrors, wall=wall)
     return None if field is None else measure_crater(field.surface(level))
 
 
 def measure_crater(surface: Surface, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
-    """The crater that holds the deepest point of the surface; None if that is less than half a spacing deep. `heading`: the unit
-    vector (x, y) that the projectiles move along, which the bottom's uncertainty is for."""
+    """Measure the crater that holds the deepest point of the surface; None if that is less than half a spacing deep, and where
+    there is a hole, which has no depth. `heading`: the unit vector (x, y) that the projectiles move along, which the bottom's
+    uncertainty is for."""
+    if surface.holes.any():
+        return None
     floor = floor_of(surface)
     smooth = ndimage.gaussian_filter(floor, 1.4)
     i, j = (int(n) for n in np.unravel_index(np.argmin(smooth), floor.shape))
@@ -58,28 +72,20 @@ def measure_crater(surface: Surface, heading: tuple[float, float] = (1.0, 0.0)) 
     bottom, uncertainty = _bottom(surface, floor, i, j, depth, heading)
     bowl = Openings.of(surface).bowl(i, j)
     pithead = bowl.pithead(depth)
-    area = None if pithead is None else pithead.area
-    centre = pithead.ellipse.centre if pithead else bottom
+    if pithead is None:
+        return Crater(depth, bottom, uncertainty, None, None, None, None, None)
+    crest, centre = crest_height(surface), pithead.ellipse.centre
     return Crater(
         depth,
         bottom,
         uncertainty,
-        bowl.volume(depth, area),
-        _rim_height(surface, centre),
-        None if area is None else 2 * math.sqrt(area / math.pi),
-        None if pithead is None else pithead.contour,
-        None if pithead is None else pithead.ellipse,
+        bowl.volume(depth, pithead.area),
+        mean_crest(surface, crest, centre),
+        2 * math.sqrt(pithead.area / math.pi),
+        pithead.contour,
+        pithead.ellipse,
+        rim_of(surface, crest, centre),
     )
-
-
-def _crossing(surface: Surface, k: NDArray[np.int64]) -> Array:
-    """Height (nx, ny) of one half between the nodes k (nx, ny), which are solid, and those above."""
-    i, j = np.indices(k.shape)
-    solid, void = surface.fraction[i, j, k], surface.fraction[i, j, np.minimum(k + 1, len(surface.z) - 1)]
-    step = surface.z[1] - surface.z[0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        part = np.nan_to_num((solid - 0.5) / (solid - void), nan=0.0, posinf=0.0, neginf=0.0)
-    return np.asarray(surface.z[k] + np.clip(part, 0.0, 1.0) * step)
 
 
 def floor_of(surface: Surface) -> Array:
@@ -88,9 +94,11 @@ def floor_of(surface: Surface) -> Array:
 
 
 def _lowest(surface: Surface) -> Array:
-    """Lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor."""
-    lowest = np.argmax(surface.fraction <= 0.5, axis=2)
-    return _crossing(surface, np.maximum(lowest - 1, 0))
+    """Lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor; about the wall's back
+    in a hole."""
+    above = surface.within.start if surface.holes.any() else 0  # what a hole lets in below is no crater
+    lowest = above + np.argmax(surface.fraction[:, :, above:] <= 0.5, axis=2)
+    return surface.crossing(np.maximum(lowest - 1, 0))
 
 
 def _without_pits(floor: Array, spacing: float) -> Array:
@@ -226,6 +234,8 @@ class Bowl:
         lines = [contour, *(largest_contour(self.slice(self.slices - 1 - n)) for n in range(1, steps))]
         found = [polygon_moments(line) for line in lines if line is not None]
         area = float(_at_zero(np.array([m.area for m in found])))
+        if area <= 0:  # a pit that widens below z = 0 so much that it has no opening
+            return None
         centre = _at_zero(np.array([m.centre for m in found]))
         shape = np.mean([m.covariance / m.area for m in found], axis=0)
         # An ellipse's covariance has the determinant (area / 4 pi)^2; a region that is none keeps its area.
@@ -234,22 +244,11 @@ class Bowl:
         ellipse = ellipse_of(corner + centre * step, shape * step**2)
         return Pithead(corner + contour * step, area * step**2, ellipse)
 
-    def volume(self, depth: float, area: float | None) -> float:
-        """Integral of the slices' areas from z = 0 (the pithead's `area`, or that of the first slice) to -depth, m^3."""
+    def volume(self, depth: float, area: float) -> float:
+        """Integral of the slices' areas from z = 0 (the pithead's `area`) to -depth, m^3."""
         heights = self.of.surface.z[: self.slices]
         cell = (self.of.surface.spacing / 2) ** 2
         kept = [k for k in range(self.slices) if heights[k] > -depth]
         areas = [contour_area(self.slice(k)) * cell for k in kept]
-        top = contour_area(self.slice(self.slices - 1)) * cell if area is None else area
         z = [-depth, *(float(heights[k]) for k in kept), 0.0]
-        return float(np.trapezoid([0.0, *areas, top], z))
-
-
-def _rim_height(surface: Surface, centre: tuple[float, float]) -> float:
-    """Mean over directions of the highest point of the target, m; 0 at least."""
-    top = len(surface.z) - 1 - np.argmax(surface.fraction[:, :, ::-1] > 0.5, axis=2)
-    height = _crossing(surface, top)
-    dx, dy = np.meshgrid(surface.x - centre[0], surface.y - centre[1], indexing="ij")
-    sector = np.floor((np.arctan2(dy, dx) / (2 * math.pi) % 1.0) * SECTORS).astype(int) % SECTORS
-    crest = ndimage.maximum(height, sector, np.unique(sector))
-    return max(0.0, float(np.mean(crest)))
+        return float(np.trapezoid([0.0, *areas, area], z))

@@ -9,10 +9,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from .scene import Mirror
-from .surface import filling, largest_piece
+from .surface import attached
 
 Array = NDArray[np.float64]
 SPEED_BINS, ANGLE_BINS = 16, 9
@@ -32,10 +31,22 @@ class Ejecta:
     mass_by_angle: Array
 
 
-def find_ejecta(snapshot: Mapping[str, NDArray[Any]], spacing: float, mirrors: Sequence[Mirror]) -> Ejecta:
-    """The points, of target and projectile alike, that are detached and move upwards (v_z > 0)."""
+def find_ejecta(
+    snapshot: Mapping[str, NDArray[Any]],
+    spacing: float,
+    mirrors: Sequence[Mirror],
+    walls: Sequence[Sequence[int]] | None = None,
+) -> Ejecta:
+    """The points, of target and projectile alike, that are detached and move upwards (v_z > 0): from the largest piece of
+    each wall, a group of bodies, or of everything where no walls are told."""
     velocity, mass = snapshot["velocity"], snapshot["mass"]
-    away = ~attached(snapshot["position"], snapshot["volume"], spacing) & (velocity[:, 2] > 0)
+    owner = None
+    if walls is not None:
+        owner = np.full(len(mass), -1)
+        for number, bodies in enumerate(walls):
+            owner[np.isin(snapshot["body"], bodies)] = number
+    hangs = attached(snapshot["position"], snapshot["volume"], spacing, owner)
+    away = ~hangs & (velocity[:, 2] > 0)
     velocity, mass = velocity[away], mass[away] * copies(mirrors)
     speed = np.linalg.norm(velocity, axis=1)
     angle = np.arccos(np.clip(velocity[:, 2] / np.where(speed > 0, speed, 1.0), -1.0, 1.0))
@@ -45,16 +56,6 @@ def find_ejecta(snapshot: Mapping[str, NDArray[Any]], spacing: float, mirrors: S
     momentum = whole_momentum((mass[:, None] * velocity).sum(axis=0), mirrors)
     kinetic = 0.5 * float(mass @ speed**2)
     return Ejecta(float(mass.sum()), momentum, kinetic, speed_edges, by_speed, angle_edges, by_angle)
-
-
-def attached(position: Array, volume: Array, spacing: float) -> NDArray[np.bool_]:
-    """Whether each point (n,) is in or next to the largest connected piece of cells, two spacings wide, more than half full."""
-    width = np.full(3, 2 * spacing)
-    lower = np.floor(position.min(axis=0) / width) * width - width
-    cell = np.floor((position - lower) / width).astype(np.int64)
-    piece = largest_piece(filling(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5)
-    near = ndimage.binary_dilation(piece, np.ones((3, 3, 3)))
-    return np.asarray(near[tuple(cell.T)])
 
 
 def copies(mirrors: Sequence[Mirror]) -> int:

@@ -53,11 +53,13 @@ class Ridge:
 
 @dataclass(frozen=True)
 class Group:
-    """The craters of a group and the ridges between neighbours; point spacing m."""
+    """The craters of a group and the ridges between neighbours; point spacing m; how many balls went through the wall, or
+    came to its back where that is not computed: they have no crater."""
 
     pits: list[Pit]
     ridges: list[Ridge]
     spacing: float
+    holes: int = 0
 
 
 def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
@@ -65,12 +67,13 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
     of neighbours, m. Places without a crater deeper than half a spacing are left out."""
     floor = floor_of(surface)
     smooth = ndimage.gaussian_filter(floor, SMOOTH)
+    through = np.asarray(surface.holes.any(axis=2))
     found = [_lowest_near(surface, smooth, center, pitch / 2) for center in centers]
     # Balls that hit side by side may have one lowest point: that is one crater.
     places = {
         n: ij
         for n, ij in enumerate(found)
-        if ij and smooth[ij] < -surface.spacing / 2 and ij not in found[:n]
+        if ij and smooth[ij] < -surface.spacing / 2 and ij not in found[:n] and not through[ij]
     }
     markers = np.zeros(floor.shape, dtype=np.int32)
     for label, ij in enumerate(places.values(), 1):
@@ -83,7 +86,7 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
         if (along := _direction(centers[nb] - centers[na], pitch))
         and (height := _pass(floor, basins, a + 1, b + 1)) is not None
     ]
-    return Group(pits, ridges, surface.spacing)
+    return Group(pits, ridges, surface.spacing, sum(bool(ij and through[ij]) for ij in found))
 
 
 def _pits(
@@ -115,8 +118,8 @@ def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -
 
 
 def _roughness(deviation: Array) -> float:
-    """Root mean square of what smoothing takes from a bottom."""
-    return float(np.sqrt(np.mean(deviation**2)))
+    """Root mean square of what smoothing takes from a bottom; 0 of nothing."""
+    return float(np.sqrt(np.mean(deviation**2))) if deviation.size else 0.0
 
 
 def _outline(pithead: Pithead | None) -> tuple[Array | None, Ellipse | None, float | None]:

@@ -58,8 +58,9 @@ class Cut:
 
     @classmethod
     def of(cls, snapshot: Fields, cast: Cast, plane: float, spacing: float, across: int = 1) -> "Cut":
-        """Through the plane y = `plane` (m), or x = `plane` with `across` 0."""
+        """Through the plane y = `plane` (m), or x = `plane` with `across` 0; of points that are somewhere."""
         near = np.abs(snapshot["position"][:, across] - plane) < spacing
+        near &= np.isfinite(snapshot["position"]).all(axis=1) & (snapshot["volume"] > 0)
         position, body = snapshot["position"][near] * 1e6, snapshot["body"][near]
         return cls(
             position[:, 1 - across],
@@ -95,6 +96,7 @@ def slice_figure(
     crater: Crater | None,
     title: str,
     across: int = 1,
+    is_perforated: bool = False,
 ) -> Figure:
     """Points within one `spacing` (m) of y = `plane`, or x = `plane` with `across` 0: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
     cut = Cut.of(snapshot, cast, plane, spacing, across)
@@ -118,6 +120,10 @@ def slice_figure(
     for axes, colour in zip(panels, colours, strict=True):
         cut.draw(axes, np.asarray(colour))
         _mark_depth(axes, crater, across)
+        if is_perforated:
+            axes.set_title("perforated", loc="right", color="crimson")
+        if len(cut.x) == 0:
+            axes.text(0.5, 0.3, "no point is left in this plane", ha="center", transform=axes.transAxes)
     if len(cast.targets) > 1:
         _name_targets(panels[0], cast)
     return figure
@@ -214,5 +220,5 @@ def history_figure(history: Fields) -> Figure:
     error.plot(time, history["error"] / scale * (100 if shares else 1))
     error.set(ylabel="ledger error (%)" if shares else "ledger error (J)")
     depth.plot(time, history["depth"] * 1e6)
-    depth.set(ylabel="depth on the axis (um),\nan estimate, not $C_p$", xlabel="time (ns)")
+    depth.set(ylabel="depth of the deepest column (um),\nan estimate, not $C_p$", xlabel="time (ns)")
     return figure

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rich.table import Table
+from rich.text import Text
 
 from .counters import COUNTERS
 from .modes import ROMAN
@@ -15,6 +16,9 @@ Results = Mapping[str, Any]
 def report(result: Results) -> Table:
     """The table that `pockmark run` and `measure` print."""
     table = Table(show_header=False, title="Crater")
+    for sentence in result["warnings"]:
+        table.add_row(Text("warning", style="yellow"), Text(sentence, style="yellow"))
+    table.add_section()
     for part in (_crater, _group, _ejecta, _energy, _run, _counted):
         for name, value in part(result):
             table.add_row(literal(name), literal(value))
@@ -31,25 +35,41 @@ def _crater(result: Results) -> Iterator[tuple[str, str]]:
     crater, run = result["crater"], result["run"]
     yield "run", run["status"] + _shown(run["end_time"], " (to end at {:.4g} ns)", unit=1e-9)
     yield "crater at", _shown(crater["time"], "{:.4g} ns", unit=1e-9)
-    if crater["depth"] is None:
-        yield "crater", "none"
-        return
     known = crater["uncertainty"] or {}
 
     def length(key: str) -> str:
         spread = _shown(known.get(key), " +- {:.2f}", unit=1e-6) if known.get(key) is not None else ""
         return _shown(crater[key], f"{{:.2f}}{spread} um", unit=1e-6)
 
+    if crater["perforated"]:
+        yield "crater", "none: perforated"
+        yield "holes", str(crater["holes"])
+        yield "least width of the widest hole", length("hole_width")
+        place = ", ".join(_shown(crater[f"hole_{axis}"], "{:.1f}", unit=1e-6) for axis in "xyz")
+        yield "  there, at x, y, z", f"{place} um"
+        yield from _resolution(result)
+        return
+    if crater["depth"] is None:
+        yield "crater", "none"
+        return
     yield "depth C_p", length("depth")
+    yield "  change in the last tenth", _shown(crater["depth_change_last_tenth"], "{:.1%}")
     yield "diameter D_c", length("diameter")
     yield "D_max", length("major_axis")
     yield "D_min", length("minor_axis")
     yield "e1, e2", ", ".join(_shown(crater[key], "{:z.3f}") for key in ("e1", "e2"))
     yield "rim height", length("rim_height")
+    yield "rim diameter, crest to crest", length("rim_diameter")
     yield "lining of projectile", _shown(crater["lining_fraction"], "{:.0%} of it")
     yield "volume", _shown(crater["volume"], "{:.0f} um^3", unit=1e-18)
     yield "C_p/d_p", _shown(crater["depth_over_projectile_diameter"], "{:.3f}")
     yield "C_p/D_c", _shown(crater["depth_over_diameter"], "{:.3f}")
+    yield from _resolution(result)
+
+
+def _resolution(result: Results) -> Iterator[tuple[str, str]]:
+    yield "+-", "of the measure on these points alone; the error of the cells' size is not in it"
+    yield "resolution", _shown(result["run"]["cells_across_projectile"], "{:.3g} cells across the projectile")
 
 
 def _group(result: Results) -> Iterator[tuple[str, str]]:
@@ -59,6 +79,8 @@ def _group(result: Results) -> Iterator[tuple[str, str]]:
         "craters, pitheads, bottoms",
         ", ".join(str(group[key]) for key in ("craters", "pitheads", "bottoms")),
     )
+    if group["holes"]:
+        yield "balls that went through", str(group["holes"])
     if "mode" not in group:
         return
     mode, nearest = (ROMAN[group[key] - 1] for key in ("mode", "nearest_mode"))
@@ -71,8 +93,7 @@ def _group(result: Results) -> Iterator[tuple[str, str]]:
 
 
 def _ejecta(result: Results) -> Iterator[tuple[str, str]]:
-    if not (ejecta := result["ejecta"]):
-        return
+    ejecta = result["ejecta"]
     masses = (_shown(ejecta[key], "{:.3g}", unit=1e-12) for key in ("mass", "left_mass"))
     yield "ejecta in the grid, left", ", ".join(masses) + " ng"
     yield "momentum enhancement beta", _shown(ejecta["beta"], "{:.4f}")

@@ -10,12 +10,14 @@ from numpy.typing import NDArray
 from .crater import Crater, measure_crater
 from .ejecta import copies, enhancement, find_ejecta, whole_momentum
 from .ellipse import Ellipse
+from .hole import Hole, measure_hole
 from .lining import lining
 from .modes import bottoms_of, measures_of, mode_of
 from .morphology import Group, Pit
 from .scene import Mirror
 from .surface import Field, Surface, target_field
-from .uncertainty import LEVELS, uncertainties
+from .uncertainty import LEVELS, half_difference, uncertainties
+from .wall import LEAST_LAYERS, Wall
 
 SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
 SHAPE = (
@@ -29,27 +31,36 @@ SHAPE = (
     "e1",
     "e2",
     "rim_height",
+    "rim_diameter",
     "depth_over_major_axis",
     "depth_over_minor_axis",
     "lining_fraction",
     "lining_thickness",
     "uncertainty",
 )
+HOLE = ("perforated", "holes", "hole_width", "hole_diameter", "hole_x", "hole_y", "hole_z")
+EJECTA = (
+    *("mass", "momentum", "kinetic", "left_mass", "left_momentum", "left_kinetic", "beta"),
+    *("speed_edges", "mass_by_speed", "angle_edges", "mass_by_angle"),
+)
 
 
 def field_of(
-    snapshot: Mapping[str, NDArray[Any]],
-    *,
-    target_bodies: Sequence[int],
-    spacing: float,
-    mirrors: Sequence[Mirror],
+    snapshot: Mapping[str, NDArray[Any]], wall: Wall | None, mirrors: Sequence[Mirror]
 ) -> Field | None:
-    """The target near its crater in a snapshot of all points; None if there is none, or the points are no longer anywhere."""
-    is_target = np.isin(snapshot["body"], target_bodies)
-    position = snapshot["position"][is_target]
-    if not is_target.any() or not np.isfinite(position).all():
+    """The wall near its crater in a snapshot of all points; None if nothing of it is open, or the points are no longer anywhere."""
+    if wall is None or wall.layers < LEAST_LAYERS or misplaced(snapshot):
         return None
-    return target_field(position, snapshot["volume"][is_target], spacing, mirrors=mirrors)
+    is_target = np.isin(snapshot["body"], wall.bodies)
+    position, volume = snapshot["position"][is_target], snapshot["volume"][is_target]
+    return target_field(position, volume, wall.spacing, mirrors=mirrors, wall=wall)
+
+
+def misplaced(snapshot: Mapping[str, NDArray[Any]]) -> int:
+    """How many points have a place, velocity, volume or mass that is no number: then nothing can be measured."""
+    known = np.isfinite(snapshot["volume"]) & np.isfinite(snapshot["mass"])
+    known &= np.isfinite(snapshot["position"]).all(axis=1) & np.isfinite(snapshot["velocity"]).all(axis=1)
+    return int(np.count_nonzero(~known))
 
 
 def crater_of(surface: Surface | None, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
@@ -81,6 +92,7 @@ def morphology_table(
         "bottom_x": crater.bottom[0],
         "bottom_y": crater.bottom[1],
         "rim_height": crater.rim_height,
+        "rim_diameter": crater.rim_diameter,
         "lining_fraction": _ratio(mass, copies(mirrors) * projectile_mass),
         "lining_thickness": thickness,
         "uncertainty": uncertainties(crater, (low, high), spacing),
@@ -97,18 +109,51 @@ def morphology_table(
     return shape
 
 
+def hole_table(field: Field | None, hole: Hole | None) -> dict[str, Any]:
+    """The holes in the wall, and the widest one's least section, SI; the `uncertainty` of its widths. Of a wall: without one,
+    or where a hole cannot be told from a crater, nothing is known."""
+    table: dict[str, Any] = dict.fromkeys(HOLE) | {"perforated": hole is not None, "holes": 0}
+    if field is None or hole is None:
+        return table
+    low, high = (measure_hole(field.surface(level)) for level in LEVELS)
+    spread = {
+        "hole_" + key: half_difference(*(getattr(h, key) if h else None for h in (low, high)))
+        for key in ("width", "diameter")
+    }
+    x, y, z = hole.place or (None, None, None)
+    return table | {
+        "holes": hole.count,
+        "hole_width": hole.width,
+        "hole_diameter": hole.diameter,
+        "hole_x": x,
+        "hole_y": y,
+        "hole_z": z,
+        "uncertainty": spread,
+    }
+
+
+def depth_change(time: NDArray[np.float64], depth: NDArray[np.float64]) -> float | None:
+    """Between the largest and the least depth (m) in the last tenth of the time (s), as a share of the last one; None where a
+    depth is missing there, or nothing was before."""
+    if len(time) < 2 or not (start := 0.9 * time[-1]) > time[0] or not depth[-1] > 0:
+        return None
+    late = np.append(depth[time >= start], np.interp(start, time, depth))
+    return float(np.ptp(late) / depth[-1]) if np.isfinite(late).all() else None
+
+
 def group_table(group: Group, *, oblique: bool, heading: tuple[float, float] = (1.0, 0.0)) -> dict[str, Any]:
-    """The craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on. `heading`: the
-    unit vector (x, y) that the projectiles move along."""
+    """The craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on, where no ball
+    went through. `heading`: the unit vector (x, y) that the projectiles move along."""
     table: dict[str, Any] = {
         "craters": len(group.pits),
         "pitheads": len({pit.hollow for pit in group.pits}),
         "bottoms": bottoms_of(group),
         "ridges": len(group.ridges),
+        "holes": group.holes,
         "each_crater": [_pit_table(pit) for pit in group.pits],
         "each_ridge": [asdict(ridge) for ridge in group.ridges],
     }
-    if len(group.pits) < 2:
+    if len(group.pits) < 2 or group.holes:
         return table
     depths, measures = [pit.depth for pit in group.pits], measures_of(group, heading)
     mode = mode_of(measures, oblique=oblique)
@@ -151,21 +196,28 @@ def ejecta_table(
     projectile_momentum: float,
     spacing: float,
     mirrors: Sequence[Mirror],
+    walls: Sequence[Sequence[int]],
+    is_open: bool = False,
 ) -> dict[str, Any]:
-    """Ejecta in the grid and what left it, of the whole impact, SI; None where points are no longer anywhere.
-    `projectile_momentum`: into the target, of what is computed, at the start, kg m/s."""
-    if not np.isfinite(snapshot["position"]).all():
-        return {}
-    found, n = find_ejecta(snapshot, spacing, mirrors), copies(mirrors)
+    """Ejecta in the grid and what left it, of the whole impact, SI; of what is in the grid None where points are no longer
+    anywhere. `projectile_momentum`: into the target, of what is computed, at the start, kg m/s; `walls`: the target's bodies
+    that touch; `is_open`: some fly through the wall, and beta is None."""
+    n = copies(mirrors)
     left = whole_momentum(n * np.array([ledger[f"left_momentum_{axis}"] for axis in "xyz"]), mirrors)
-    return {
-        "mass": found.mass,
-        "momentum": found.momentum.tolist(),
-        "kinetic": found.kinetic,
+    table: dict[str, Any] = dict.fromkeys(EJECTA) | {
         "left_mass": n * ledger["left_mass"],
         "left_momentum": left.tolist(),
         "left_kinetic": n * ledger["left_kinetic"],
-        "beta": enhancement(float(found.momentum[2] + left[2]), n * projectile_momentum),
+    }
+    if misplaced(snapshot):
+        return table
+    found = find_ejecta(snapshot, spacing, mirrors, walls)
+    beta = None if is_open else enhancement(float(found.momentum[2] + left[2]), n * projectile_momentum)
+    return table | {
+        "mass": found.mass,
+        "momentum": found.momentum.tolist(),
+        "kinetic": found.kinetic,
+        "beta": beta,
         "speed_edges": found.speed_edges.tolist(),
         "mass_by_speed": found.mass_by_speed.tolist(),
         "angle_edges": found.angle_edges.tolist(),

@@ -10,10 +10,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from . import __version__, results
+from . import __version__, cautions, results
 from .bodies import Block, Swarm
 from .errors import PockmarkError
 from .forecast import MIN_CELLS_ACROSS, cells_across, is_too_coarse
+from .hole import measure_hole
 from .lattice import count, point_volume
 from .morphology import Group, measure_group
 from .plots import HISTORY_COLUMNS, Cast, history_figure, process_figure, slice_figure
@@ -23,6 +24,7 @@ from .stop import heard_between_steps
 from .store import RunFolder, Snapshot, commit, finite, machine, now, told
 from .surface import Field, Surface, with_image
 from .tasks import History, ProgressBar, Snapshots
+from .wall import first_wall, walls
 
 # What the measures need of a manifest.
 MEASURED = {
@@ -152,17 +154,36 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         "status": str(manifest.get("status")),
         "end_time": scene.end_time,
     }
-    snapshot = folder.last_snapshot()
-    field = _field(snapshot, scene)
+    history = folder.history("error", "initial")
+    table = measures(folder.last_snapshot(), scene, ledger, run, manifest["counters"], history)
+    initial = float(history["initial"][0])
+    table["energy"]["ledger_error_max"] = float(np.abs(history["error"]).max()) / initial if initial else None
+    return dict(finite(table))
+
+
+def measures(
+    snapshot: Mapping[str, NDArray[Any]],
+    scene: Scene,
+    ledger: Mapping[str, float],
+    run: Mapping[str, Any],
+    counters: Mapping[str, int],
+    history: Mapping[str, NDArray[np.float64]],
+) -> dict[str, Any]:
+    """The tables of `measure_run`, of the state in a snapshot and what a run says of itself."""
+    wall = first_wall(scene)
+    field = results.field_of(snapshot, wall, scene.mirrors)
     surface = _surface(field)
     crater, mass = results.crater_of(surface, scene.impact.heading), _projectile_mass(scene)
+    hole = None if surface is None else measure_hole(surface)
+    is_open = surface is not None and bool(surface.holes.any())
+    cells = cells_across(scene)
     table = results.result_table(
         crater,
         float(snapshot["time"][0]),
         _projectile_diameter(scene),
         ledger,
-        run,
-        manifest["counters"],
+        dict(run) | {"cells_across_projectile": cells},
+        counters,
     )
     table["crater"] |= results.morphology_table(
         snapshot,
@@ -174,6 +195,15 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         mirrors=scene.mirrors,
         heading=scene.impact.heading,
     )
+    no_wall = [*cautions.missing(snapshot, scene, wall)]
+    is_told = not no_wall and (hole is not None or not is_open)
+    table["crater"] |= results.hole_table(field, hole) if is_told else dict.fromkeys(results.HOLE)
+    change = (
+        results.depth_change(history["time"], history["depth"])
+        if {"time", "depth"} <= history.keys()
+        else None
+    )
+    table["crater"]["depth_change_last_tenth"] = change
     if group := group_of(surface, scene):
         table["group"] = results.group_table(
             group, oblique=scene.impact.angle != 0, heading=scene.impact.heading
@@ -184,11 +214,16 @@ def measure_run(path: str | Path) -> dict[str, Any]:
         projectile_momentum=-mass * scene.impact.velocity[2],
         spacing=_target_spacing(scene),
         mirrors=scene.mirrors,
+        walls=walls(scene),
+        is_open=is_open,
     )
-    history = folder.history("error", "initial")
-    initial = float(history["initial"][0])
-    table["energy"]["ledger_error_max"] = float(np.abs(history["error"]).max()) / initial if initial else None
-    return dict(finite(table))
+    table["warnings"] = [
+        *no_wall,
+        *cautions.of_hole(hole, surface, wall),
+        *cautions.of_crater(crater, surface, wall, scene.mirrors),
+        *cautions.of_resolution(wall, cells, change),
+    ]
+    return table
 
 
 def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
@@ -198,6 +233,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     target = Path(out) if out else folder.path
     snapshot = folder.last_snapshot()
     title = scene.title or folder.path.name
+    surface = _surface(_field(snapshot, scene))
     figures = {
         "crater.png": slice_figure(
             snapshot,
@@ -205,7 +241,8 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
             plane=_slice_plane(scene),
             across=_slice_axis(scene),
             spacing=_target_spacing(scene),
-            crater=results.crater_of(_surface(_field(snapshot, scene))),
+            crater=results.crater_of(surface, scene.impact.heading),
+            is_perforated=surface is not None and measure_hole(surface) is not None,
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
         ),
         "history.png": history_figure(folder.history(*HISTORY_COLUMNS)),
@@ -251,12 +288,7 @@ def plot_process(path: str | Path) -> Figure:
 
 
 def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:
-    return results.field_of(
-        snapshot,
-        target_bodies=scene.targets,
-        spacing=_target_spacing(scene),
-        mirrors=scene.mirrors,
-    )
+    return results.field_of(snapshot, first_wall(scene), scene.mirrors)
 
 
 def _surface(field: Field | None) -> Surface | None:
@@ -285,7 +317,8 @@ def _slice_plane(scene: Scene) -> float:
 
 
 def _target_spacing(scene: Scene) -> float:
-    return scene.body[scene.targets[0] if scene.targets else 0].spacing
+    """The coarsest of the target's, m; the projectile's where there is no target."""
+    return max(scene.body[i].spacing for i in scene.targets or scene.projectiles)
 
 
 def _projectile_mass(scene: Scene) -> float:

@@ -93,10 +93,10 @@ class Simulation:
         """A field of the points by its name in `field_names`, (n,) or (n, components)."""
         return np.asarray(self._solver.field(name))
 
-    def column(self, x: float, y: float, radius: float) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
-        """Height z (n,), m, and body (n,) of the points within `radius` (m) of the vertical line through (x, y)."""
-        height, body = self._solver.column(x, y, radius)
-        return np.asarray(height), np.asarray(body)
+    def volume_fraction(self, bodies: Sequence[int]) -> NDArray[np.float32]:
+        """Share of the space around each node, one outside of each face included, that the points of some bodies fill; half
+        of it at a face."""
+        return np.asarray(self._solver.volume_fraction([i in bodies for i in range(len(self.scene.body))]))
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
         """All fields of all points."""

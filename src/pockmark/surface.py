@@ -5,7 +5,9 @@ the fraction is one half. Which points count, and why: docs/metrology.md.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,30 +15,64 @@ from scipy import ndimage
 from skimage.measure import find_contours
 
 from .scene import Mirror
+from .wall import Wall
 
 Array = NDArray[np.float64]
+SIGMA = 12**-0.5  # deviation of a surface that lies evenly within one point spacing, in spacings
 EDGE = 3  # coarse cells at the target's sides that no crater is looked for in: they move with the boundary
 MARGIN = np.array(
     [4, 4, 3]
 )  # coarse cells kept around the open ones: room for the rim and for the bottom's fit
+RIM = np.array([0.15, 0.15, 0.0])  # of a wide crater's width: the same
 REACH = 3  # nodes that a tent may reach beyond the box
 
 
 @dataclass(frozen=True)
 class OnNodes:
-    """A fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m; point spacing m. What lies behind a symmetry plane
-    is there too."""
+    """A fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m; point spacing m; height of the wall's back, m, and
+    whether it stands on what is not computed. What lies behind a symmetry plane is there too."""
 
     x: Array
     y: Array
     z: Array
     fraction: Array
     spacing: float
+    back: float = -np.inf
+    is_backed: bool = False
 
 
 class Surface(OnNodes):
     """The solid fraction, 1/2 on the surface. Only what is open to the outside is not solid: closed voids are filled,
     pieces that do not hang together with the target are gone."""
+
+    @property
+    def within(self) -> slice:
+        """The nodes along z between the wall's faces, which themselves are on the level: from half a spacing above the back,
+        a whole one where it stands on something, to half a spacing below z = 0."""
+        low = self.back + (1.0 if self.is_backed else 0.5) * self.spacing
+        first, last = np.searchsorted(self.z, [low - 0.1 * self.spacing, -0.25 * self.spacing])
+        return slice(int(first), int(last))
+
+    @cached_property
+    def holes(self) -> NDArray[np.int32]:
+        """For each node `within` the wall the number of the hole that it lies in, 0 for none. A hole is open to the top and
+        to what is below the wall; where that is not computed, it comes within a spacing of the back."""
+        void, within = self.fraction <= 0.5, self.within
+        below, _ = ndimage.label(void[:, :, within.start if self.is_backed else 0 : within.start + 1])
+        is_out = np.isin(below[:, :, -1], np.setdiff1d(below[:, :, 0], 0))
+        if not is_out.any() or within.start >= within.stop:
+            return np.zeros(void[:, :, within].shape, dtype=np.int32)
+        inside, _ = ndimage.label(void[:, :, within])
+        through = np.setdiff1d(np.intersect1d(inside[:, :, 0][is_out], inside[:, :, -1]), 0)
+        return np.where(np.isin(inside, through), inside, 0)
+
+    def crossing(self, k: NDArray[np.int64]) -> Array:
+        """Height (nx, ny), m, of one half between the nodes k (nx, ny), which are solid, and those above."""
+        i, j = np.indices(k.shape)
+        solid, void = self.fraction[i, j, k], self.fraction[i, j, np.minimum(k + 1, len(self.z) - 1)]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.nan_to_num((solid - 0.5) / (solid - void), nan=0.0, posinf=0.0, neginf=0.0)
+        return np.asarray(self.z[k] + np.clip(part, 0.0, 1.0) * (self.z[1] - self.z[0]))
 
     def section(self, axis: int, at: float) -> list[Array]:
         """Lines (n, 2), m, where the surface cuts the plane x (`axis` 0), y or z = `at`; the other axes in their order.
@@ -58,23 +94,55 @@ class Field(OnNodes):
 
     def surface(self, level: float = 0.5) -> Surface:
         """With `level` as the fraction that is taken as the surface."""
-        return Surface(self.x, self.y, self.z, _outside(self.fraction - level + 0.5), self.spacing)
+        fraction = _outside(self.fraction - level + 0.5)
+        return Surface(self.x, self.y, self.z, fraction, self.spacing, self.back, self.is_backed)
 
 
 def target_field(
-    position: Array, volume: Array, spacing: float, *, mirrors: Sequence[Mirror] = ()
+    position: Array,
+    volume: Array,
+    spacing: float,
+    *,
+    mirrors: Sequence[Mirror] = (),
+    wall: Wall | None = None,
 ) -> Field | None:
     """Of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m, surface at z = 0.
 
-    Whole about `mirrors`. None where nothing below z = 0 is open.
+    Whole about `mirrors`; within the sides of the `wall` that the points were. None where nothing below z = 0 is open.
     """
     origin = np.zeros(3)
     for mirror in reversed(mirrors):
         origin[mirror.axis] = mirror.at
-    box = _neighbourhood(position, volume, spacing, origin, mirrors)
+    box = _neighbourhood(position, volume, spacing, origin, mirrors, wall)
     if box is None:
         return None
     lower, upper = box
+    field = _field_in(position, volume, spacing, origin, mirrors, lower, upper)
+    if wall is None:
+        return field
+    field = replace(field, back=wall.lower[2], is_backed=wall.is_backed)
+    # What is open at the box's bottom may end farther down, or be a hole: that needs all of the wall.
+    if not ((field.fraction[:, :, 0] <= 0.5).any() and (field.surface().fraction[:, :, 0] <= 0.5).any()):
+        return field
+    deepest = wall.lower[2]
+    if not wall.face:  # it may bulge
+        deepest = position[attached(position, volume, spacing), 2].min(initial=deepest) - 2 * spacing
+    lower[2] = min(lower[2], deepest)
+    whole = _field_in(position, volume, spacing, origin, mirrors, lower, upper)
+    return replace(whole, back=field.back, is_backed=field.is_backed)
+
+
+def _field_in(
+    position: Array,
+    volume: Array,
+    spacing: float,
+    origin: Array,
+    mirrors: Sequence[Mirror],
+    lower: Array,
+    upper: Array,
+) -> Field:
+    """The field in a box, and above it as high as the points reach; nodes are half a spacing apart from `origin` on."""
+    lower, upper = lower.copy(), upper.copy()
     upper[2] = np.inf  # the rim
     near = np.all((position > lower - spacing) & (position < upper + spacing), axis=1)
     position, volume = position[near], volume[near]
@@ -84,7 +152,9 @@ def target_field(
             inside = (position[:, a] < mirror.at) == mirror.above
             position, volume = with_images(position[inside], volume[inside], mirror)
             lower[a], upper[a] = sorted((face[a] - (upper[a] - lower[a]), face[a] + (upper[a] - lower[a])))
-    upper[2] = min(float(position[:, 2].max()) + 2 * spacing, float((upper - lower)[:2].max()))
+    upper[2] = min(
+        float(position[:, 2].max(initial=lower[2])) + 2 * spacing, float((upper - lower)[:2].max())
+    )
     first = np.floor((lower - origin) / (spacing / 2) + 1e-6).astype(np.int64)
     last = np.ceil((upper - origin) / (spacing / 2) - 1e-6).astype(np.int64)
     fraction = _volume_fraction((position - origin) / spacing, volume / spacing**3, first, last)
@@ -114,20 +184,26 @@ def filling(position: Array, volume: Array, lower: Array, width: Array, shape: S
 
 
 def _neighbourhood(
-    position: Array, volume: Array, spacing: float, origin: Array, mirrors: Sequence[Mirror]
+    position: Array,
+    volume: Array,
+    spacing: float,
+    origin: Array,
+    mirrors: Sequence[Mirror],
+    wall: Wall | None,
 ) -> tuple[Array, Array] | None:
     """Corners (m) of a box around what is open below z = 0: coarse cells less than half full that hang together with
-    the open ones just below the plane."""
+    the open ones just below the plane. Nothing counts that has left the wall sideways or through its back."""
     below = position[:, 2] < 0
     if not below.any():
         return None
     width = spacing * np.array([2.0, 2.0, 1.0])
     position = position[below]
-    ends = [(e - origin) / width for e in (position.min(axis=0), position.max(axis=0))]
-    first, last = np.floor(ends[0]).astype(np.int64), np.ceil(ends[1]).astype(np.int64)
+    lower, upper = (wall.lower, wall.upper) if wall else (position.min(axis=0), position.max(axis=0))
+    first = np.floor((np.array(lower) - origin) / width + 1e-6).astype(np.int64)
+    last = np.ceil((np.array(upper) - origin) / width - 1e-6).astype(np.int64)
     last[2] = 0
     lower = origin + first * width
-    opened = filling(position, volume[below], lower, width, last - first) < 0.5
+    opened = filling(position, volume[below], lower, width, (last - first).tolist()) < 0.5
     low, high = np.array([EDGE, EDGE, 0]), last - first - [EDGE, EDGE, 0]
     for mirror in mirrors:
         a, cells = mirror.axis, (mirror.at - origin[mirror.axis]) / width[mirror.axis]
@@ -144,7 +220,8 @@ def _neighbourhood(
     start, stop = (
         np.array(ends) for ends in zip(*((i.min(), i.max() + 1) for i in np.nonzero(crater)), strict=True)
     )
-    start, stop = np.maximum(low + start - MARGIN, low), np.minimum(low + stop + MARGIN, high)
+    margin = np.maximum(MARGIN, np.ceil(RIM * (stop - start))).astype(np.int64)
+    start, stop = np.maximum(low + start - margin, low), np.minimum(low + stop + margin, high)
     return lower + start * width, lower + stop * width
 
 
@@ -193,6 +270,28 @@ def _outside(fraction: Array) -> Array:
     fraction = np.where(void & ~_reached_by_cube(void, _open_to_the_top), 1.0, fraction)
     solid = fraction > 0.5
     return np.where(solid & ~_reached_by_cube(solid, largest_piece), 0.0, fraction)
+
+
+def attached(
+    position: Array, volume: Array, spacing: float, owner: NDArray[Any] | None = None
+) -> NDArray[np.bool_]:
+    """Whether each point (n,) is in or next to what hangs together: of cells, two spacings wide, more than half full, the
+    piece that holds most of all, or of each `owner` (n,), those below 0 left out: a wall behind another is no debris."""
+    if len(position) == 0:
+        return np.zeros(0, dtype=bool)
+    width = np.full(3, 2 * spacing)
+    lower = np.floor(position.min(axis=0) / width) * width - width
+    cell = np.floor((position - lower) / width).astype(np.int64)
+    pieces, count = ndimage.label(filling(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5)
+    of_point = pieces[tuple(cell.T)]
+    owner = np.zeros(len(position), dtype=int) if owner is None else owner
+    largest: list[int] = []
+    for one in np.unique(owner[owner >= 0]):
+        share = np.bincount(of_point[owner == one], volume[owner == one], minlength=count + 1)
+        if share[1:].any():
+            largest.append(int(np.argmax(share[1:])) + 1)
+    near = ndimage.binary_dilation(np.isin(pieces, largest), np.ones((3, 3, 3)))
+    return np.asarray(near[tuple(cell.T)])
 
 
 def _reached_by_cube(

@@ -2,10 +2,9 @@
 
 import time
 
-import numpy as np
-from numpy.typing import NDArray
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from .live import live_depth
 from .simulation import LiveFields, Simulation
 from .store import RunFolder
 
@@ -41,20 +40,20 @@ class History:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
-        self._written = -1
+        self._written = -1.0
 
     def act(self, simulation: Simulation) -> None:
-        """Write a row, if there is none of this step yet."""
-        if simulation.steps == self._written:
+        """Write a row, if there is none of this time yet."""
+        if simulation.time == self._written:
             return
         ledger = simulation.ledger()
         row = {"time": simulation.time, "step": float(simulation.steps), "points": float(simulation.points)}
         row |= {key: ledger[key] for key in LEDGER}
-        row["depth"] = current_depth(simulation)
+        row["depth"] = live_depth(simulation).depth
         row["max_compression"] = simulation.max_compression
         row |= {key: float(value) for key, value in simulation.counters().items()}
         self.folder.append_history(row)
-        self._written = simulation.steps
+        self._written = simulation.time
 
 
 class Snapshots:
@@ -65,15 +64,15 @@ class Snapshots:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
-        self._written = -1
+        self._written = -1.0
 
     def act(self, simulation: Simulation) -> None:
-        """Write all fields of all points, if this step's are not written yet."""
-        if simulation.steps == self._written:
+        """Write all fields of all points, if this time's are not written yet."""
+        if simulation.time == self._written:
             return
         # Field by field: all at once would double the memory of the run.
         self.folder.write_snapshot(LiveFields(simulation), simulation.time, simulation.steps)
-        self._written = simulation.steps
+        self._written = simulation.time
 
 
 class ProgressBar:
@@ -98,30 +97,11 @@ class ProgressBar:
         if time.monotonic() - self._shown < 1.0 and simulation.time < simulation.scene.end_time:
             return
         self._shown = time.monotonic()
-        state = (
-            f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s"
-            f"  depth about {current_depth(simulation) * 1e6:.1f} um"
-        )
+        live = live_depth(simulation)
+        crater = "perforated" if live.is_perforated else f"depth about {live.depth * 1e6:z.1f} um"
+        state = f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s  {crater}"
         self._bar.update(self._task, completed=simulation.time, state=state)
 
     def close(self) -> None:
         """Leave the terminal as it was."""
         self._bar.stop()
-
-
-def current_depth(simulation: Simulation) -> float:
-    """Depth of the target's surface on the axis of the first projectile now, m; a quick estimate, not C_p."""
-    scene = simulation.scene
-    target = scene.body[scene.targets[0]] if scene.targets else scene.body[0]
-    axis = scene.body[scene.projectiles[0]].axis if scene.projectiles else (0.0, 0.0)
-    z, body = simulation.column(*axis, scene.grid.cell)
-    return _top_of_column(z[np.isin(body, scene.targets)], gap=2 * scene.grid.cell, spacing=target.spacing)
-
-
-def _top_of_column(z: NDArray[np.float64], *, gap: float, spacing: float) -> float:
-    """Depth of the highest of the points `z` (m) that hangs together with the lowest without a gap."""
-    if len(z) == 0:
-        return float("nan")
-    z = np.sort(z)
-    breaks = np.flatnonzero(np.diff(z) > gap)
-    return -float(z[breaks[0]] if len(breaks) else z[-1]) - spacing / 2

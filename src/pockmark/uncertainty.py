@@ -7,7 +7,8 @@ levels 1/2 - 1/sqrt(12) and 1/2 + 1/sqrt(12) are the surface moved by delta eith
 
 import math
 
-from .crater import SIGMA, Crater
+from .crater import Crater
+from .surface import SIGMA
 
 LEVELS = (0.5 - SIGMA, 0.5 + SIGMA)
 
@@ -25,23 +26,29 @@ def uncertainties(
     low, high = shifted
     out: dict[str, float | None] = {}
     for key in ("depth", "diameter", "volume", "rim_height"):
-        a, b = (None if c is None else getattr(c, key) for c in (low, high))
-        out[key] = None if a is None or b is None else abs(b - a) / 2
+        out[key] = half_difference(*(None if c is None else getattr(c, key) for c in (low, high)))
     bottom = out["bottom_x"] = crater.bottom_uncertainty
     if crater.diameter and (u := out["depth"]) is not None and (v := out["diameter"]) is not None:
         ratio = crater.depth / crater.diameter
         out["depth_over_diameter"] = ratio * math.hypot(u / crater.depth, v / crater.diameter)
+    if crater.rim:
+        out["rim_diameter"] = crater.rim.uncertainty
     if crater.pithead is None:
         return out
     axis, e = math.sqrt(2) * delta, crater.pithead
     narrow, wide = max(0.0, e.minor - axis) / e.major, min(1.0, (e.minor + axis) / e.major)
     out["centre_x"] = axis / 2
     if low and high and low.pithead and high.pithead:
-        out["major_axis"] = abs(high.pithead.major - low.pithead.major) / 2
-        out["minor_axis"] = abs(high.pithead.minor - low.pithead.minor) / 2
+        out["major_axis"] = half_difference(low.pithead.major, high.pithead.major)
+        out["minor_axis"] = half_difference(low.pithead.minor, high.pithead.minor)
     out["e1"] = 2 * math.hypot(axis / 2, bottom) / e.major
     out["e2"] = (math.sqrt(1 - narrow**2) - math.sqrt(1 - wide**2)) / 2
     if (u := out["depth"]) is not None:
         for key, d in (("depth_over_major_axis", e.major), ("depth_over_minor_axis", e.minor)):
             out[key] = crater.depth / d * math.hypot(u / crater.depth, axis / d)
     return out
+
+
+def half_difference(a: float | None, b: float | None) -> float | None:
+    """Of a measure at LEVELS, its standard uncertainty; None where either is not known."""
+    return None if a is None or b is None else abs(b - a) / 2

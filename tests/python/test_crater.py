@@ -5,8 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from pockmark.crater import SIGMA, measure_target
+from pockmark.crater import measure_target
 from pockmark.scene import Mirror
+from pockmark.surface import SIGMA
 from pockmark.uncertainty import LEVELS, uncertainties
 
 UM = 1e-6
@@ -100,6 +101,73 @@ def test_a_rim_is_measured_and_moves_nothing_else():
     close(crater, radius, 2 * radius, 2 * radius, 0, 0)
     print(f"rim {crater.rim_height / UM:.2f} of {height} um")
     assert crater.rim_height / UM == pytest.approx(height, abs=QUARTER)
+    assert crater.rim_diameter / UM == pytest.approx(2 * crest, abs=H / 2)
+
+
+def torus(x, y, crest, height, width):
+    """Height of a rim whose section is a parabola."""
+    return np.maximum(height * (1 - ((np.hypot(x, y) - crest) / width) ** 2), 0)
+
+
+@pytest.mark.parametrize(
+    ("radius", "crest", "height", "width"), [(12, 15.3, 3, 3.3), (17.3, 22, 5, 4.7), (17.3, 24.6, 2.5, 7.3)]
+)
+def test_the_rim_diameter_is_that_of_the_crest(radius, crest, height, width):
+    """Debris that hangs over the rim, a point spacing wide, and a chip in the air move nothing."""
+
+    def solid(x, y, z):
+        return hemisphere(radius)(x, y, z) & (z < torus(x, y, crest, height, width))
+
+    position, volume = block(solid, top=10)
+    debris = np.array([[21, 1, 7], [23, 3, 9], [-30, 9, 7]]) * UM
+    crater = measured((np.concatenate([position, debris]), np.append(volume, np.full(3, (H * UM) ** 3))))
+    error, u = crater.rim_diameter / UM - 2 * crest, crater.rim.uncertainty / UM
+    print(f"rim diameter off by {error:+.2f} +- {u:.2f} um")
+    assert abs(error) < H / 2
+    assert 0.1 < u < H
+    assert abs(error) < 3 * u
+
+
+def test_the_rim_of_an_oblique_crater_is_the_mean_over_directions():
+    a, b, crest = 24.0, 16.0, 1.3  # semi-axes of the pithead; the crest is an ellipse as much larger
+
+    def solid(x, y, z):
+        r = np.hypot(x / a, y / b)
+        rim = np.maximum(4 * (1 - ((r - crest) / (crest - 1)) ** 2), 0)
+        return (r**2 + (z / 15) ** 2 > 1) & (z < rim)
+
+    crater = measured(block(solid, top=10))
+    angle = np.linspace(0, np.pi / 2, 1000)
+    exact = 2 * crest * np.mean(1 / np.hypot(np.cos(angle) / a, np.sin(angle) / b))
+    print(f"rim diameter {crater.rim_diameter / UM:.2f} of {exact:.2f} um")
+    assert crater.rim_diameter / UM == pytest.approx(exact, abs=H / 2)
+
+
+@pytest.mark.parametrize("faces", ["x_lower", "y_upper", "x_lower y_upper"])
+def test_the_rim_is_mirrored(faces):
+    def solid(x, y, z):
+        return hemisphere(17.3)(x, y, z) & (z < torus(x, y, 22, 5, 4.7))
+
+    position, volume = block(solid, lower=(-80, -80, -60), top=10)
+    whole, mirrors = measured((position, volume), ()), []
+    for face in faces.split():
+        axis, above = "xy".index(face[0]), face.endswith("upper")
+        kept = (position[:, axis] < 0) == above
+        position, volume = position[kept], volume[kept]
+        mirrors.append(Mirror(axis, 0.0, above))
+    part = measured((position, volume), mirrors)
+    assert part.rim_diameter == pytest.approx(whole.rim_diameter, rel=1e-6)
+    assert part.rim.uncertainty == pytest.approx(whole.rim.uncertainty, rel=1e-6)
+
+
+def test_a_crater_without_a_raised_edge_has_no_rim():
+    assert measured(block(hemisphere(17.3))).rim is None
+
+
+def test_an_opening_at_the_edge_has_a_depth_and_nothing_that_is_cut_off():
+    crater = measured(block(lambda x, y, z: (abs(x) > 12) | (z < -12)))  # a trench along y
+    assert crater.depth / UM == pytest.approx(12, abs=QUARTER)
+    assert crater.diameter is crater.volume is crater.rim_height is crater.rim_diameter is None
 
 
 def test_debris_in_the_bowl_and_voids_under_it_change_nothing():
