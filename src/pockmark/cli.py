@@ -16,7 +16,7 @@ from .campaign import FILE, cases, load
 from .errors import PockmarkError
 from .forecast import forecast
 from .report import report
-from .run import measure_run, plot_run, run_scene
+from .run import measure_run, plot_run, run_scene, standing_of
 from .scene import Scene
 from .simulation import thread_count
 from .stop import heard_between_steps
@@ -109,6 +109,8 @@ def plot(
     """Draw the slice through the crater and the history."""
     for picture in plot_run(folder, output):
         console.print(f"wrote {picture}")
+    if said := standing_of(folder):
+        console.print(f"[yellow]the run is {said}[/yellow]")
 
 
 @app.command()

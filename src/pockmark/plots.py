@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from .crater import Crater
-from .store import effective_stress
+from .snapshot import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
 Array = NDArray[np.floating]

@@ -279,8 +279,8 @@ class Scene(Model):
 
     @property
     def hash(self) -> str:
-        """Identifies what is computed: the same for equal scenes."""
-        return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode()).hexdigest()[:16]
+        """Identifies what is computed: the same for scenes that are equal but for their titles."""
+        return hash_of(self.to_dict())
 
     @property
     def projectiles(self) -> tuple[int, ...]:
@@ -311,6 +311,12 @@ class Scene(Model):
             for i, kind in enumerate(self.boundary.faces[:4])
             if kind == "symmetry"
         )
+
+
+def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
+    """Return what identifies a scene's table, 16 hexadecimal digits; the title is a part of it only if `titled`."""
+    hashed = {key: value for key, value in table.items() if titled or key != "title"}
+    return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
 def _check_laws(name: str, material: Material) -> None:

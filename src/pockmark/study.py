@@ -17,11 +17,12 @@ from rich.table import Table
 from . import __version__
 from .campaign import Case
 from .errors import PockmarkError
+from .files import told
 from .forecast import forecast
 from .run import measure_run, run_scene
 from .scene import Scene
 from .simulation import thread_count
-from .store import RunFolder, told
+from .store import RunFolder
 
 
 @dataclass

@@ -6,31 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from .manifest import LEDGER
 from .simulation import LiveFields, Simulation
 from .store import RunFolder
-
-# What a row of the history holds of the ledger.
-LEDGER = (
-    "kinetic",
-    "internal",
-    "absorbed",
-    "left_kinetic",
-    "left_internal",
-    "viscous",
-    "plastic",
-    "pic",
-    "contact",
-    "initial",
-    "error",
-    "mass",
-    "left_mass",
-    "momentum_x",
-    "momentum_y",
-    "momentum_z",
-    "left_momentum_x",
-    "left_momentum_y",
-    "left_momentum_z",
-)
 
 
 class History:
