@@ -168,8 +168,13 @@ def study(
         raise typer.Exit(130) from None
     console.print(summary(outcomes, campaign.title or name))
     table = (output if quick else folder) / f"results{'-quick' if quick else ''}.csv"
-    write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
+    older = write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
     console.print(f"wrote {table}")
+    if older:
+        console.print(
+            f"[yellow]{older} of its rows were of an older version or physics and are gone; the command without --only "
+            "makes them again[/yellow]"
+        )
     if campaign.report:
         make_report(folder / campaign.report, table, output)
     if failed := sum(bool(o.fault) for o in outcomes):

@@ -209,7 +209,9 @@ def _python_that_hears_ctrl_c(code, *arguments):
     )
 
 
-@pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT] * 3], ids=str)
+@pytest.mark.parametrize(
+    "signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT] * 3], ids=str
+)
 def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
     folder = tmp_path / "run"
     run = _short(
