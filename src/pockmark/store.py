@@ -59,8 +59,8 @@ class RunFolder:
         try:
             folder.require_free(force=force)  # another process may have been and gone
             folder.clear()
+            folder.write_manifest(_start(scene))  # first: killed now, it is a run that may be replaced
             write_text(folder.path / "scene.toml", scene.to_toml())
-            folder.write_manifest(_start(scene))
         except BaseException:
             folder.release()
             raise
