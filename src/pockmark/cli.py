@@ -81,7 +81,8 @@ def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -
     table.add_row("points", f"{expected.points:,}")
     table.add_row("cells", f"{expected.cells:,}")
     table.add_row("steps, about", f"{expected.steps:,}")
-    table.add_row("memory", f"{expected.memory / 2**20:,.0f} MiB")
+    table.add_row("memory at its peak", f"{expected.memory / 2**20:,.0f} MiB")
+    table.add_row("disk", f"{expected.disk / 1e6:,.0f} MB")
     table.add_row("time, about", f"{expected.seconds:,.0f} s on {thread_count(threads)} threads")
     console.print(table)
     for warning in expected.warnings:
