@@ -1,15 +1,18 @@
-"""Rates of the step on this machine, a row a case in CSV: `python benchmarks/run.py [cases|growth|age] [--only NAME]`.
+"""Rates of the step on this machine, a row a case in CSV: `python benchmarks/run.py [cases|growth|age|memory] [--only NAME]`.
 
 cases: schemes, precisions, threads, instruction sets (rates.csv). growth: from a quarter to 8 million points
-(growth.csv). age: through the whole of a run, in which debris spreads (age.csv).
+(growth.csv). age: through the whole of a run, in which debris spreads (age.csv). memory: the peak of `pockmark run`
+and the size of its folder, beside what `pockmark check` forecasts (memory.csv).
 """
 
 import argparse
 import csv
+import itertools
 import json
 import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -20,6 +23,7 @@ from reporting import write_rows
 
 from pockmark import Scene, Simulation, __version__
 from pockmark.bench import bench, bench_scene
+from pockmark.forecast import forecast
 from pockmark.store import commit
 
 HERE = Path(__file__).parent
@@ -43,6 +47,7 @@ CASES: dict[str, tuple[str, list[str]]] = {  # instruction set, arguments
     "usf, quadratic": ("", [*USF, *QUADRATIC]),
     "usavg, quadratic": ("", QUADRATIC),
 }
+MEMORY = [60_000, 250_000, 2_000_000, 4_000_000]
 GROWTH = [250_000, 500_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000]
 
 
@@ -107,6 +112,45 @@ def age(only: list[str] | None) -> Iterator[dict[str, Any]]:
             }
 
 
+def memory(only: list[str] | None) -> Iterator[dict[str, Any]]:
+    """A few steps, two snapshots, the measures and the pictures, in a process of its own on one thread."""
+    short = ("end_time='1 ns'", "output.snapshots='1 ns'")
+    for points, precision in itertools.product(MEMORY, ("double", "single")):
+        name = f"{points / 1e6:g} million, {precision}"
+        if not only or name in only:
+            scene = bench_scene(points, (*short, f"numerics.precision={precision}"))
+            expected = forecast(scene, 1)
+            peak, disk = peak_and_disk(scene)
+            yield {
+                "case": name,
+                "points": expected.points,
+                "peak_MiB": f"{peak / 2**20:.0f}",
+                "forecast_MiB": f"{expected.memory / 2**20:.0f}",
+                "off": f"{expected.memory / peak - 1:+.1%}",
+                "disk_MB": f"{disk / 1e6:.1f}",
+                "forecast_MB": f"{expected.disk / 1e6:.1f}",
+            }
+
+
+def peak_and_disk(scene: Scene) -> tuple[int, int]:
+    """Bytes of `pockmark run`: its peak of resident memory, and its folder."""
+    with tempfile.TemporaryDirectory() as folder:
+        file, out = Path(folder) / "scene.toml", Path(folder) / "run"
+        scene.save(file)
+        command = [sys.executable, "-m", "pockmark", "run", file, "-o", out, "--quiet", "--threads", "1"]
+        words = [str(word) for word in command]
+        child = os.posix_spawn(
+            sys.executable,
+            words,
+            os.environ,
+            file_actions=[(os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0)],
+        )
+        _, status, used = os.wait4(child, 0)
+        if status:
+            raise SystemExit(f"{' '.join(words)}: failed")
+        return used.ru_maxrss * 1024, sum(part.stat().st_size for part in out.iterdir())
+
+
 def keep(path: Path, row: dict[str, Any]) -> None:
     """Put a row into a CSV table, in place of an older one of the same case, with the version that made it."""
     rows: dict[str, dict[str, Any]] = {}
@@ -117,16 +161,24 @@ def keep(path: Path, row: dict[str, Any]) -> None:
     write_rows(path, list(rows.values()))
 
 
+TABLES = {
+    "cases": (cases, "rates.csv"),
+    "growth": (growth, "growth.csv"),
+    "age": (age, "age.csv"),
+    "memory": (memory, "memory.csv"),
+}
+
+
 def main() -> None:
     """Run what is asked for and keep the rows."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", nargs="?", choices=["cases", "growth", "age"], default="cases")
+    parser.add_argument("what", nargs="?", choices=list(TABLES), default="cases")
     parser.add_argument("--only", action="append")
     options = parser.parse_args()
-    rows = {"cases": cases, "growth": growth, "age": age}[options.what](options.only)
-    for row in rows:
+    rows, table = TABLES[options.what]
+    for row in rows(options.only):
         print(row, flush=True)
-        keep(HERE / {"cases": "rates.csv", "growth": "growth.csv", "age": "age.csv"}[options.what], row)
+        keep(HERE / table, row)
 
 
 if __name__ == "__main__":

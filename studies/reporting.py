@@ -85,8 +85,8 @@ def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
 
 
 def made_by(cells: Mapping[str, str]) -> dict[str, str]:
-    """The version and the commit of a run, for its row in another table."""
-    return {"version": cells["version"], "commit": cells["commit"]}
+    """The version, the physics and the commit of a run, for its row in another table."""
+    return {name: cells[name] for name in ("version", "physics", "commit")}
 
 
 def write_table(

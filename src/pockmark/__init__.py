@@ -12,8 +12,10 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 __version__ = version("pockmark")
+# How many entries CHANGELOG.md has under "Physics": a run of another number may have other figures.
+PHYSICS = 16
 
-__all__ = ["PockmarkError", "Scene", "Simulation", "__version__", "measure", "run_scene"]
+__all__ = ["PHYSICS", "PockmarkError", "Scene", "Simulation", "__version__", "measure", "run_scene"]
 
 _HOMES = {
     "PockmarkError": (".errors", "PockmarkError"),

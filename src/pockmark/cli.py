@@ -16,7 +16,7 @@ from .campaign import FILE, cases, load
 from .errors import PockmarkError, shown
 from .forecast import forecast
 from .report import report
-from .run import measure_run, plot_run, run_scene
+from .run import measure_run, plot_run, run_scene, standing_of
 from .scene import Scene
 from .simulation import thread_count
 from .stop import heard_between_steps
@@ -98,7 +98,8 @@ def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -
     if expected.cells_across is not None:
         table.add_row("cells across the projectile", f"{expected.cells_across:.3g}")
     table.add_row("steps, about", f"{expected.steps:,}")
-    table.add_row("memory", f"{expected.memory / 2**20:,.0f} MiB")
+    table.add_row("memory at its peak", f"{expected.memory / 2**20:,.0f} MiB")
+    table.add_row("disk", f"{expected.disk / 1e6:,.0f} MB")
     table.add_row("time, about", f"{expected.seconds:,.0f} s on {thread_count(threads)} threads")
     console.print(table)
     for warning in expected.warnings:
@@ -126,6 +127,8 @@ def plot(
     """Draw the slice through the crater and the history."""
     for picture in plot_run(folder, output):
         console.print(f"wrote {shown(picture, MAX_PATH)}")
+    if said := standing_of(folder):
+        console.print(literal(f"the run is {said}", "yellow"))
 
 
 @app.command()
@@ -183,8 +186,16 @@ def study(
         raise typer.Exit(130) from None
     console.print(summary(outcomes, campaign.title or name))
     table = (output if quick else folder) / f"results{'-quick' if quick else ''}.csv"
-    write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
+    older = write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
     console.print(f"wrote {shown(table, MAX_PATH)}")
+    if older:
+        console.print(
+            literal(
+                f"{older} of its rows were of an older version or physics and are gone; the command without --only "
+                "makes them again",
+                "yellow",
+            )
+        )
     if campaign.report:
         make_report(folder / campaign.report, table, output)
     if failed := sum(bool(o.fault) for o in outcomes):

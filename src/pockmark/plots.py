@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .crater import Crater
 from .errors import shown
-from .store import effective_stress
+from .snapshot import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
 Array = NDArray[np.floating]

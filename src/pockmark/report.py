@@ -26,6 +26,14 @@ def report(result: Results) -> Table:
     return table
 
 
+def standing(status: str, time: float, snapshot_time: float, torn_rows: int) -> str:
+    """Return how a run that has not ended stands (times in s), an empty text for one that has."""
+    if status not in ("running", "killed"):
+        return ""
+    torn = "; a torn last row of its history is left out" if torn_rows else ""
+    return f"{status} at {time * 1e9:.4g} ns; the last snapshot is of {snapshot_time * 1e9:.4g} ns{torn}"
+
+
 def _shown(value: float | None, pattern: str, *, unit: float = 1.0) -> str:
     """A number in multiples of `unit`, "-" where there is none."""
     return "-" if value is None else pattern.format(value / unit)
@@ -33,7 +41,8 @@ def _shown(value: float | None, pattern: str, *, unit: float = 1.0) -> str:
 
 def _crater(result: Results) -> Iterator[tuple[str, str]]:
     crater, run = result["crater"], result["run"]
-    yield "run", run["status"] + _shown(run["end_time"], " (to end at {:.4g} ns)", unit=1e-9)
+    stands = standing(run["status"], run["time"], crater["time"], run["torn_rows"]) or run["status"]
+    yield "run", stands + _shown(run["end_time"], " (to end at {:.4g} ns)", unit=1e-9)
     yield "crater at", _shown(crater["time"], "{:.4g} ns", unit=1e-9)
     known = crater["uncertainty"] or {}
 

@@ -1,6 +1,5 @@
 """A run from scene to measured folder."""
 
-import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -10,32 +9,24 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from . import __version__, cautions, results
+from . import cautions, results
 from .bodies import Block, Swarm
 from .errors import PockmarkError
+from .files import replaced, told
 from .forecast import MIN_CELLS_ACROSS, cells_across, is_too_coarse
 from .hole import measure_hole
 from .lattice import count, point_volume
 from .morphology import Group, measure_group
 from .plots import HISTORY_COLUMNS, Cast, history_figure, process_figure, slice_figure
+from .report import standing
 from .scene import Scene
 from .simulation import Simulation, Task
+from .snapshot import Snapshot
 from .stop import heard_between_steps
-from .store import RunFolder, Snapshot, commit, finite, machine, now, told
+from .store import UNENDED, RunFolder, finite, now
 from .surface import Field, Surface, with_image
 from .tasks import History, ProgressBar, Snapshots
 from .wall import first_wall, walls
-
-# What the measures need of a manifest.
-MEASURED = {
-    "run": {"points", "steps", "time", "particle_steps_per_second", "max_compression"},
-    "options": {"scheme", "shape_functions", "precision"},
-    "ledger": {
-        *results.SHARES,
-        *("initial", "error", "left_mass", "left_momentum_x", "left_momentum_y", "left_momentum_z"),
-    },
-    "counters": set(),
-}
 
 
 def run_scene(
@@ -57,10 +48,11 @@ def run_scene(
             f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
         )
     with heard_between_steps() as stop_if_asked:
+        RunFolder(Path(path)).require_free(force=force)  # said before millions of points are laid
         simulation = Simulation(scene, threads)
         stop_if_asked()  # before `force` replaces a run
         folder = RunFolder.create(path, scene, force=force)
-        started = now()
+        began = folder.manifest()
         tasks: list[Task] = [History(folder, scene.output.history), Snapshots(folder, scene.output.snapshots)]
         status = "failed"
         bar = ProgressBar(simulation) if progress else None
@@ -84,9 +76,12 @@ def run_scene(
                 raise PockmarkError(f"{path}: {when}: {error}") from None
             raise
         finally:
+            try:
+                folder.write_manifest(began | _end(simulation, status))
+            finally:
+                folder.release()
             if bar:
                 bar.close()
-            folder.write_manifest(_manifest(simulation, status, started))
     return folder, status == "finished"
 
 
@@ -96,18 +91,13 @@ def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:
         task.act(simulation)
 
 
-def _manifest(simulation: Simulation, status: str, started: str) -> dict[str, Any]:
+def _end(simulation: Simulation, status: str) -> dict[str, Any]:
+    """What a run's manifest says at the end, beside what it has said from the start on."""
     scene = simulation.scene
     return {
         "status": status,
-        "pockmark": __version__,
-        "commit": commit(),
-        "scene_hash": scene.hash,
-        "started": started,
         "ended": now(),
-        "machine": machine(),
         "threads": simulation.threads,
-        "options": scene.numerics.model_dump(),
         "failure_treatment": treatments(scene),
         "run": {
             "points": simulation.points
@@ -135,27 +125,21 @@ def treatments(scene: Scene) -> str:
 def measure_run(path: str | Path) -> dict[str, Any]:
     """Crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
     folder = RunFolder.open(path)
-    scene, manifest = folder.scene(), folder.manifest()
-    if "ledger" not in manifest:
-        raise PockmarkError(f"{path}: the run has not ended (status '{manifest.get('status')}')")
-    for part, keys in MEASURED.items():
-        there = manifest.get(part)
-        if missing := sorted(keys - set(there if isinstance(there, dict) else ())):
-            raise PockmarkError(
-                f"{path}: its manifest lacks {part}.{missing[0]}; it is torn or of another version"
-            )
-    numerics = manifest["options"]
-    ledger = {key: math.nan if value is None else value for key, value in manifest["ledger"].items()}
-    run = manifest["run"] | {
+    scene, status = folder.scene(), folder.status()
+    record = folder.record(scene.grid.cell_count)
+    ledger = record.joules
+    run = record.run.model_dump() | {
         "failure_treatment": treatments(scene),
-        "scheme": numerics["scheme"],
-        "shape_functions": numerics["shape_functions"],
-        "precision": numerics["precision"],
-        "status": str(manifest.get("status")),
+        "scheme": scene.numerics.scheme,
+        "shape_functions": scene.numerics.shape_functions,
+        "precision": scene.numerics.precision,
+        "status": status,
+        "torn_rows": folder.rows().torn,
         "end_time": scene.end_time,
     }
     history = folder.history("error", "initial")
-    table = measures(folder.last_snapshot(), scene, ledger, run, manifest["counters"], history)
+    snapshot = _in_the_grid(folder.last_snapshot(), scene)
+    table = measures(snapshot, scene, ledger, run, record.counters, history)
     initial = float(history["initial"][0])
     table["energy"]["ledger_error_max"] = float(np.abs(history["error"]).max()) / initial if initial else None
     return dict(finite(table))
@@ -229,9 +213,9 @@ def measures(
 def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     """Draw crater.png (slice panels of the last snapshot) and history.png. Returns the files."""
     folder = RunFolder.open(path)
-    scene = folder.scene()
+    scene, status = folder.scene(), folder.status()
     target = Path(out) if out else folder.path
-    snapshot = folder.last_snapshot()
+    snapshot = _in_the_grid(folder.last_snapshot(), scene)
     title = scene.title or folder.path.name
     surface = _surface(_field(snapshot, scene))
     figures = {
@@ -243,14 +227,16 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
             spacing=_target_spacing(scene),
             crater=results.crater_of(surface, scene.impact.heading),
             is_perforated=surface is not None and measure_hole(surface) is not None,
-            title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns",
+            title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns"
+            + (f" ({status})" if status in UNENDED else ""),
         ),
         "history.png": history_figure(folder.history(*HISTORY_COLUMNS)),
     }
     with told(target):
         target.mkdir(parents=True, exist_ok=True)
-        for name, figure in figures.items():
-            figure.savefig(target / name, dpi=150)
+    for name, figure in figures.items():
+        with replaced(target / name) as descriptor, open(descriptor, "wb", closefd=False) as file:
+            figure.savefig(file, format="png", dpi=150)
     return [target / name for name in figures]
 
 
@@ -270,14 +256,17 @@ def group_of(surface: Surface | None, scene: Scene) -> Group | None:
 def surface_of_run(path: str | Path) -> Surface | None:
     """The target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
     folder = RunFolder.open(path)
-    return _surface(_field(folder.last_snapshot(), folder.scene()))
+    scene = folder.scene()
+    return _surface(_field(_in_the_grid(folder.last_snapshot(), scene), scene))
 
 
 def plot_process(path: str | Path) -> Figure:
     """Stress and pressure in the last four snapshots of a run folder."""
     folder = RunFolder.open(path)
     scene = folder.scene()
-    snapshots = map(Snapshot, folder.snapshots()[-4:])
+    snapshots = [_in_the_grid(Snapshot(file), scene) for file in folder.snapshots()[-4:]]
+    if not snapshots:
+        raise PockmarkError(f"{path}: holds no snapshot")
     return process_figure(
         snapshots,
         _cast(scene),
@@ -285,6 +274,31 @@ def plot_process(path: str | Path) -> Figure:
         across=_slice_axis(scene),
         spacing=_target_spacing(scene),
     )
+
+
+def standing_of(path: str | Path) -> str:
+    """Return how a run that has not ended stands, in one sentence; an empty text for one that has ended."""
+    folder = RunFolder.open(path)
+    rows, snapshot = folder.rows(), folder.last_snapshot()
+    return standing(folder.status(), rows.last["time"], float(snapshot["time"][0]), rows.torn)
+
+
+def _in_the_grid(snapshot: Snapshot, scene: Scene) -> Snapshot:
+    """Return the snapshot. Raises PockmarkError if a point is of no body or outside of the grid.
+
+    Memory for the measures is laid out over all points: one of them far away would take all that there is.
+    """
+    position, cell = snapshot["position"], scene.grid.cell
+    lower, upper = (np.array(corner) for corner in scene.grid.box)
+    far = ((position < lower - cell) | (position > upper + cell)).any(axis=1)
+    if far.any():
+        place = ", ".join(f"{x * 1e6:.4g}" for x in position[np.argmax(far)])
+        raise PockmarkError(f"{snapshot.path}: a point lies outside of the grid, at ({place}) um")
+    if (highest := int(snapshot["body"].max(initial=0))) >= len(scene.body):
+        raise PockmarkError(
+            f"{snapshot.path}: a point is of body {highest}, but {len(scene.body)} bodies are known"
+        )
+    return snapshot
 
 
 def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:

@@ -344,8 +344,8 @@ class Scene(Model):
 
     @property
     def hash(self) -> str:
-        """Identifies what is computed: the same for equal scenes."""
-        return hashlib.sha256(json.dumps(self.to_dict(), sort_keys=True).encode()).hexdigest()[:16]
+        """Identifies what is computed: the same for scenes that are equal but for their titles."""
+        return hash_of(self.to_dict())
 
     @property
     def projectiles(self) -> tuple[int, ...]:
@@ -384,6 +384,12 @@ def _unit(azimuth: float) -> tuple[float, float]:
     rest = azimuth - quarters * (math.pi / 2)
     c, s = (1.0, 0.0) if abs(rest) < 1e-12 else (math.cos(rest), math.sin(rest))
     return ((c, s), (-s + 0.0, c), (-c, -s + 0.0), (s, -c))[quarters % 4]
+
+
+def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
+    """Return what identifies a scene's table, 16 hexadecimal digits; the title is a part of it only if `titled`."""
+    hashed = {key: value for key, value in table.items() if titled or key != "title"}
+    return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
 def _unlawful(name: str, material: Material) -> Iterator[str]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from types import UnionType
 from typing import Annotated, Any, Union, get_args, get_origin
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
@@ -15,12 +15,12 @@ from .materials import Model
 Location = tuple[int | str, ...]
 
 
-def sentence(error: ValidationError, model: type[Model]) -> str:
+def sentence(error: ValidationError, model: type[BaseModel]) -> str:
     """Return every fault of a validation of `model` as one sentence: key, what was found, what is allowed."""
     return together(faults(error.errors(), model))
 
 
-def faults(details: Sequence[ErrorDetails], model: type[Model]) -> list[str]:
+def faults(details: Sequence[ErrorDetails], model: type[BaseModel]) -> list[str]:
     """Return a sentence for each fault of a validation of `model`. A key that is missing because it is misspelt is told once."""
     unknown = {f["loc"]: _meant(f, model) for f in details if f["type"] == "extra_forbidden"}
     misspelt = {(*location[:-1], meant) for location, meant in unknown.items() if meant}
@@ -29,7 +29,7 @@ def faults(details: Sequence[ErrorDetails], model: type[Model]) -> list[str]:
     return [_sentence(fault, model, unknown.get(fault["loc"], "")) for fault in told]
 
 
-def _sentence(fault: ErrorDetails, model: type[Model], meant: str) -> str:
+def _sentence(fault: ErrorDetails, model: type[BaseModel], meant: str) -> str:
     key, kind, message = _key(fault["loc"], model), fault["type"], fault["msg"].removeprefix("Value error, ")
     if kind == "extra_forbidden":
         return f"{key}: unknown key" + (f", did you mean '{meant}'?" if meant else "")
@@ -48,7 +48,7 @@ def _sentence(fault: ErrorDetails, model: type[Model], meant: str) -> str:
     return f"{key}: {found(fault['input'])}, {message[0].lower()}{message[1:]}"
 
 
-def _which_kind(key: str, fault: ErrorDetails, model: type[Model]) -> str:
+def _which_kind(key: str, fault: ErrorDetails, model: type[BaseModel]) -> str:
     """A table that does not say which of its kinds it is."""
     *_, last = _walk(fault["loc"], model)
     selector, kinds = _kinds(last)
@@ -56,7 +56,7 @@ def _which_kind(key: str, fault: ErrorDetails, model: type[Model]) -> str:
     return f"{key}.{selector}: {what}, allowed are {', '.join(map(repr, kinds))}"
 
 
-def _key(location: Location, model: type[Model]) -> str:
+def _key(location: Location, model: type[BaseModel]) -> str:
     """("body", 0, "block", "radius") as "body[0].radius"."""
     out = ""
     for part, annotation in zip(location, _walk(location, model), strict=False):
@@ -67,7 +67,7 @@ def _key(location: Location, model: type[Model]) -> str:
     return out
 
 
-def _walk(location: Location, model: type[Model]) -> Iterator[Any]:
+def _walk(location: Location, model: type[BaseModel]) -> Iterator[Any]:
     """What is expected at each part of a location, `model` first, what the whole location names last."""
     expected: Any = model
     for part in location:
@@ -106,7 +106,7 @@ def _members(expected: Any) -> tuple[Any, ...]:
     return get_args(get_args(expected)[0])
 
 
-def _meant(fault: ErrorDetails, model: type[Model]) -> str:
+def _meant(fault: ErrorDetails, model: type[BaseModel]) -> str:
     """The key that is most like an unknown one: of its own table, or else of any; "" if none is."""
     unknown = str(fault["loc"][-1])
     *_, table, _ = _walk(fault["loc"], model)

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM during a run."""
+"""Ctrl-C, SIGTERM and SIGHUP during a run."""
 
 import signal
 import threading
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 class _Note:
@@ -24,7 +24,7 @@ class _Note:
 
 @contextmanager
 def heard_between_steps() -> Iterator[Callable[[], None]]:
-    """Within, Ctrl-C and SIGTERM are only noted, however many; the function that is given raises KeyboardInterrupt then.
+    """Within, these signals are only noted, however many; the function that is given raises KeyboardInterrupt then.
 
     So no file is torn, and an impatient second Ctrl-C does not lose what the first one keeps. One within another shares
     what the outer one has noted.

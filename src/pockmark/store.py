@@ -1,6 +1,5 @@
 """The run folder: scene.toml, manifest.json, history.csv and snapshot-NNNN.vtkhdf files that ParaView opens."""
 
-import csv
 import json
 import math
 import os
@@ -8,18 +7,23 @@ import platform
 import re
 import subprocess
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
+from . import PHYSICS, __version__, _core
 from .errors import PockmarkError
-from .scene import Scene
+from .files import read_text, told, write_text
+from .history import Rows, append_row, read_rows
+from .lock import LOCK, Lock, holder
+from .manifest import Measured, parse_manifest, row_as_record, validated
+from .scene import Scene, hash_of
+from .snapshot import Snapshot, write_snapshot
+from .toml import parse_toml
 
 MANIFEST = "manifest.json"
 HISTORY = "history.csv"
@@ -28,11 +32,12 @@ OWN_FILES = (
     "scene.toml",
     HISTORY,
     "snapshot-*.vtkhdf",
-    "snapshot-*.part",
     "crater.png",
     "history.png",
     MANIFEST,
 )
+SNAPSHOT = re.compile(r"snapshot-(\d{1,9})\.vtkhdf")
+UNENDED = ("running", "killed")
 
 
 class RunFolder:
@@ -41,34 +46,54 @@ class RunFolder:
     def __init__(self, path: Path) -> None:
         """Wrap a path; nothing is touched."""
         self.path = path
+        self._lock: Lock | None = None
 
     @classmethod
     def create(cls, path: str | Path, scene: Scene, *, force: bool = False) -> "RunFolder":
-        """Make the folder for a new run. Raises PockmarkError if something else is there."""
+        """Make the folder for a new run and lock it until release(). Raises PockmarkError if something else is there."""
         folder = cls(Path(path))
+        folder.require_free(force=force)
         with told(path):
-            if folder.path.exists() and not folder.path.is_dir():
-                raise PockmarkError(f"{path}: is a file, expected a folder to write the run to")
-            if folder.path.exists() and any(folder.path.iterdir()):
-                is_run = folder.is_run()
-                if not (is_run and force):
-                    what = "holds a run (--force replaces it)" if is_run else "is not empty and holds no run"
-                    raise PockmarkError(f"{path}: {what}")
-                folder.clear()
             folder.path.mkdir(parents=True, exist_ok=True)
-            scene.save(folder.path / "scene.toml")
-            folder.write_manifest({"status": "running", "scene_hash": scene.hash})
+        folder._lock = Lock(folder.path)
+        try:
+            folder.require_free(force=force)  # another process may have been and gone
+            folder.clear()
+            folder.write_manifest(_start(scene))  # first: killed now, it is a run that may be replaced
+            write_text(folder.path / "scene.toml", scene.to_toml())
+        except BaseException:
+            folder.release()
+            raise
         return folder
 
     @classmethod
     def open(cls, path: str | Path) -> "RunFolder":
         """Open an existing run. Raises PockmarkError if it is none."""
         folder = cls(Path(path))
-        if not (folder.path / MANIFEST).is_file():
+        if not os.path.lexists(folder.path / MANIFEST):
             raise PockmarkError(f"{path}: is not a run folder (it has no {MANIFEST})")
-        if "scene_hash" not in folder.manifest():
-            raise PockmarkError(f"{path}: is not a run folder (its {MANIFEST} is not pockmark's)")
+        folder.manifest()
         return folder
+
+    def require_free(self, *, force: bool) -> None:
+        """Raise PockmarkError unless a run may be written here: into an empty folder, or by `force` over a run that is over."""
+        with told(self.path):
+            if self.path.exists() and not self.path.is_dir():
+                raise PockmarkError(f"{self.path}: is a file, expected a folder to write the run to")
+            if not self.path.exists() or all(file.name == LOCK for file in self.path.iterdir()):
+                return
+        if not self._lock and (who := holder(self.path)):
+            raise PockmarkError(f"{self.path}: {who} runs in it now")
+        if not self.is_run():
+            raise PockmarkError(f"{self.path}: is not empty and holds no run")
+        if not force:
+            raise PockmarkError(f"{self.path}: holds a run (--force replaces it)")
+
+    def release(self) -> None:
+        """Let other processes run in the folder."""
+        if self._lock:
+            self._lock.release()
+            self._lock = None
 
     def is_run(self) -> bool:
         """Whether the folder holds a run of pockmark's, and not just some manifest.json."""
@@ -81,142 +106,108 @@ class RunFolder:
     def clear(self) -> None:
         """Remove what pockmark wrote; files of the user's stay."""
         for pattern in OWN_FILES:
-            for file in self.path.glob(pattern):
-                file.unlink()
+            # What was being written when its process was killed first: a folder without a manifest is no run.
+            for file in (*self.path.glob(f"{pattern}*.part"), *self.path.glob(pattern)):
+                with told(file):
+                    file.unlink()
 
     def scene(self) -> Scene:
-        """The scene of the run."""
-        return Scene.load(self.path / "scene.toml")
+        """The scene of the run. Raises PockmarkError if scene.toml is not what the run was started with."""
+        path = self.path / "scene.toml"
+        table, known = parse_toml(read_text(path), path), self.manifest()
+        # The title was part of the hash before the physics was counted.
+        if hash_of(table, titled=known.get("physics") is None) != known["scene_hash"]:
+            raise PockmarkError(f"{path}: is not the scene of this run, whose hash {MANIFEST} has")
+        return Scene.from_dict(table, source=str(path))
 
     def manifest(self) -> dict[str, Any]:
-        """manifest.json as a dictionary."""
-        with told(self.path / MANIFEST):
-            try:
-                manifest = json.loads((self.path / MANIFEST).read_text(encoding="utf-8"))
-            except ValueError as error:
-                raise PockmarkError(f"{self.path / MANIFEST}: is not JSON ({error})") from None
-        if not isinstance(manifest, dict):
-            raise PockmarkError(f"{self.path / MANIFEST}: found no table, expected a manifest of pockmark's")
-        return manifest
+        """manifest.json as a dictionary. Raises PockmarkError if it is none of pockmark's."""
+        path = self.path / MANIFEST
+        text = read_text(path)
+        try:
+            return parse_manifest(text)
+        except PockmarkError as error:
+            raise PockmarkError(f"{path}: {error}") from None
 
-    def write_manifest(self, manifest: Mapping[str, Any]) -> None:
+    def status(self) -> str:
+        """How the run stands: running, finished, interrupted, failed, or killed, which it could not write itself."""
+        status = str(self.manifest()["status"])
+        return "killed" if status == "running" and holder(self.path) is None else status
+
+    def record(self, cells: int) -> Measured:
+        """What the manifest says of the run's end; of a run without one, in `cells` cells, what its last row says."""
+        ended = self.status() not in UNENDED
+        table = self.manifest() if ended else row_as_record(self.rows().last, cells)
+        try:
+            return validated(Measured, table)
+        except PockmarkError as error:
+            raise PockmarkError(f"{self.path / (MANIFEST if ended else HISTORY)}: {error}") from None
+
+    def write_manifest(self, table: Mapping[str, Any]) -> None:
         """Replace manifest.json in one go."""
-        with _replaced(self.path / MANIFEST) as part:
-            part.write_text(to_json(manifest) + "\n", encoding="utf-8")
+        write_text(self.path / MANIFEST, to_json(table) + "\n")
 
     def append_history(self, row: Mapping[str, float]) -> None:
         """Add a row to history.csv; the first one writes the header."""
-        path = self.path / HISTORY
-        with told(path):
-            is_new = not path.exists()
-            with path.open("a", newline="", encoding="utf-8") as file:
-                writer = csv.DictWriter(file, fieldnames=list(row))
-                if is_new:
-                    writer.writeheader()
-                writer.writerow(row)
+        append_row(self.path / HISTORY, row)
+
+    def rows(self) -> Rows:
+        """The rows of history.csv, without one that a process is at, or was when it was killed."""
+        return read_rows(self.path / HISTORY, torn_end=self.status() in UNENDED)
 
     def history(self, *needed: str) -> dict[str, NDArray[np.float64]]:
         """Columns of history.csv. Raises PockmarkError if one that is `needed` is missing."""
-        path = self.path / HISTORY
-        with told(path), path.open(newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-        try:
-            columns = {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
-        except (IndexError, TypeError, ValueError):
-            raise PockmarkError(f"{path}: is empty or torn, expected a number in each column") from None
+        columns = self.rows().columns
         if missing := [name for name in needed if name not in columns]:
-            raise PockmarkError(f"{path}: lacks the column {missing[0]}")
+            raise PockmarkError(f"{self.path / HISTORY}: lacks the column {missing[0]}")
         return columns
 
     def snapshots(self) -> list[Path]:
         """Snapshot files in the order of time."""
-        return sorted(self.path.glob("snapshot-*.vtkhdf"))
+        with told(self.path):
+            numbered = {path: _number(path) for path in self.path.iterdir()}
+        return sorted(
+            (path for path, n in numbered.items() if n is not None), key=lambda path: numbered[path] or 0
+        )
 
     def write_snapshot(self, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> Path:
         """Write all fields of all points as the next VTKHDF file."""
-        path = self.path / f"snapshot-{len(self.snapshots()):04d}.vtkhdf"
-        with _replaced(path) as part:
-            try:
-                with h5py.File(part, "w") as file:
-                    _write_vtkhdf(file, fields, time_s, step)
-            except (OSError, RuntimeError) as error:  # HDF5 tells a full disk as either
-                raise PockmarkError(f"{path}: cannot be written ({_reason(error)})") from None
+        found = self.snapshots()
+        number = 1 + (_number(found[-1]) or 0) if found else 0
+        path = self.path / f"snapshot-{number:04d}.vtkhdf"
+        write_snapshot(path, fields, time_s, step)
         return path
 
-    def last_snapshot(self) -> "Snapshot":
-        """Fields of the last snapshot. Raises PockmarkError if there is none."""
+    def last_snapshot(self) -> Snapshot:
+        """Fields of the last snapshot; of a run that was killed, of the last whole one. Raises PockmarkError."""
         found = self.snapshots()
         if not found:
             raise PockmarkError(f"{self.path}: holds no snapshot")
+        if self.status() == "killed":
+            for path in reversed(found):
+                with suppress(PockmarkError):
+                    return Snapshot(path)
         return Snapshot(found[-1])
 
 
-class Snapshot(Mapping[str, NDArray[Any]]):
-    """The fields of a snapshot file, each read when it is first asked for; `time` is an array of one."""
-
-    def __init__(self, path: Path) -> None:
-        """Raises PockmarkError if the file is not a snapshot."""
-        self._path = path
-        self._read: dict[str, NDArray[Any]] = {}
-        with self._root() as root:
-            self._places = {name: f"PointData/{name}" for name in root["PointData"]}
-        self._places |= {"position": "Points", "time": "FieldData/time"}
-
-    def __getitem__(self, name: str) -> NDArray[Any]:
-        """A field by its name."""
-        if name not in self._read:
-            place = self._places[name]
-            with self._root() as root:
-                self._read[name] = np.asarray(root[place])
-        return self._read[name]
-
-    def __iter__(self) -> Iterator[str]:
-        """The names."""
-        return iter(self._places)
-
-    def __len__(self) -> int:
-        """How many there are."""
-        return len(self._places)
-
-    @contextmanager
-    def _root(self) -> Iterator[h5py.Group]:
-        with told(self._path):
-            try:
-                with h5py.File(self._path, "r") as file:
-                    yield file["VTKHDF"]
-            except KeyError:
-                raise PockmarkError(f"{self._path}: is not a snapshot of pockmark's") from None
+def _number(path: Path) -> int | None:
+    """Return the number of a snapshot's file, None for another file."""
+    name = SNAPSHOT.fullmatch(path.name)
+    return int(name[1]) if name else None
 
 
-def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> None:
-    """The points as an unstructured grid of vertices (VTKHDF 2.2)."""
-    root = file.create_group("VTKHDF")
-    root.attrs["Version"] = (2, 2)
-    root.attrs.create("Type", b"UnstructuredGrid", dtype=h5py.string_dtype("ascii", 16))
-    n = len(fields["position"])
-    for name, count in (("NumberOfPoints", n), ("NumberOfCells", n), ("NumberOfConnectivityIds", n)):
-        root.create_dataset(name, data=np.array([count], dtype=np.int64))
-    root.create_dataset("Points", data=fields["position"])
-    root.create_dataset("Connectivity", data=np.arange(n, dtype=np.int64), compression=1, shuffle=True)
-    root.create_dataset("Offsets", data=np.arange(n + 1, dtype=np.int64), compression=1, shuffle=True)
-    root.create_dataset("Types", data=np.full(n, 1, dtype=np.uint8), compression=1, shuffle=True)
-    data = root.create_group("PointData")
-    for name in fields:
-        if name == "position":
-            continue
-        values = fields[name]  # asked for once: the fields of a simulation are copies
-        data.create_dataset(name, data=values)
-        if name == "deviator":
-            data.create_dataset("effective_stress", data=effective_stress(values))
-    extra = root.create_group("FieldData")
-    extra.create_dataset("time", data=np.array([time_s]))
-    extra.create_dataset("step", data=np.array([step], dtype=np.int64))
-
-
-def effective_stress(deviator: NDArray[np.float64]) -> NDArray[np.float64]:
-    """von Mises effective stress (n,) of deviators (n, 6) in the order xx, yy, zz, xy, yz, zx, Pa."""
-    twice = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # off the diagonal each component stands twice in s:s
-    return np.asarray(np.sqrt(1.5 * np.einsum("ij,ij,j->i", deviator, deviator, twice)))
+def _start(scene: Scene) -> dict[str, Any]:
+    """What a run's manifest says from the start on."""
+    return {
+        "status": "running",
+        "pockmark": __version__,
+        "physics": PHYSICS,
+        "commit": commit(),
+        "scene_hash": scene.hash,
+        "started": now(),
+        "machine": machine(),
+        "options": scene.numerics.model_dump(),
+    }
 
 
 def machine() -> dict[str, Any]:
@@ -281,31 +272,3 @@ def finite(value: Any) -> Any:
 def to_json(value: Any) -> str:
     """JSON that every reader reads."""
     return json.dumps(finite(value), indent=2, allow_nan=False)
-
-
-@contextmanager
-def told(path: str | Path) -> Iterator[None]:
-    """Turn a failure of the system into one sentence about `path`."""
-    try:
-        yield
-    except OSError as error:
-        raise PockmarkError(f"{path}: {_reason(error)}") from None
-
-
-def _reason(error: Exception) -> str:
-    """What the system says, on one line; HDF5 hides its number in the middle of a message."""
-    if number := re.search(r"errno = (\d+)", str(error)):
-        return os.strerror(int(number[1]))
-    return (isinstance(error, OSError) and error.strerror) or " ".join(str(error).split())
-
-
-@contextmanager
-def _replaced(path: Path) -> Iterator[Path]:
-    """Write a file under another name first, so that a failure leaves the old one whole."""
-    part = path.with_name(path.name + ".part")
-    with told(path):
-        try:
-            yield part
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)

@@ -1,12 +1,10 @@
-"""Running a campaign: each run once, kept by the hash of its scene; what stopped goes on, what fails stops nothing."""
+"""Running a campaign: each run once, kept by the hash of its scene and the physics; what fails stops nothing."""
 
 import csv
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence, Set
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -14,15 +12,18 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from . import __version__
+from . import PHYSICS, __version__
 from .campaign import Case
 from .errors import PockmarkError
+from .files import replaced, told
 from .forecast import forecast
 from .run import measure_run, run_scene
 from .scene import Scene
 from .simulation import thread_count
-from .store import RunFolder, told
+from .stop import heard_between_steps
+from .store import RunFolder
 from .terminal import literal
+from .workers import run_apart
 
 
 @dataclass
@@ -36,36 +37,36 @@ class Outcome:
 
 
 def run_study(cases: Sequence[Case], out: Path, *, jobs: int, console: Console) -> list[Outcome]:
-    """Run the cases that are not there yet, `jobs` at a time. Ctrl-C raises KeyboardInterrupt with what is done kept."""
-    there = {case.scene.hash for case in cases if is_done(place(out, case))}
-    open_cases = [case for case in cases if case.scene.hash not in there]
-    outcomes = [
-        Outcome(case, measure_run(place(out, case)), kept=True) for case in cases if case.scene.hash in there
-    ]
+    """Run the cases that are not there yet, `jobs` at a time. Ctrl-C, SIGTERM and SIGHUP raise KeyboardInterrupt with what
+    is done kept and no worker left."""
+    there = [case for case in cases if is_done(place(out, case))]
+    open_cases = [case for case in cases if case not in there]
+    outcomes = [_measured(case, out, kept=True) for case in there]
     threads = max(1, thread_count(0) // jobs)
-    with _progress(console) as bar, _pool(jobs) as pool:
-        work = {case.scene.hash: forecast(case.scene, threads).seconds for case in open_cases}
-        task = bar.add_task(
-            f"{len(outcomes)} of {len(cases)} runs were there", total=sum(work.values()) or None
-        )
-        waiting: dict[Future[str], Case] = {
-            pool.submit(_run, case.scene.to_dict(), str(place(out, case)), threads): case
-            for case in open_cases
-        }
-        for future in _as_they_end(waiting):
-            case = waiting[future]
-            fault = future.result()
-            outcomes.append(Outcome(case, None if fault else measure_run(place(out, case)), fault))
+    work = [forecast(case.scene, threads).seconds for case in open_cases]
+    with _progress(console) as bar, heard_between_steps() as stop_if_asked:
+        task = bar.add_task(f"{len(outcomes)} of {len(cases)} runs were there", total=sum(work) or None)
+        orders = [(case.scene.to_dict(), str(place(out, case)), threads) for case in open_cases]
+        for n, fault in run_apart(_run, orders, jobs, stop_if_asked):
+            case = open_cases[n]
+            outcomes.append(Outcome(case, None, fault) if fault else _measured(case, out))
             failed = sum(bool(o.fault) for o in outcomes)
             bar.update(
                 task,
-                advance=work[case.scene.hash],
+                advance=work[n],
                 description=f"{len(outcomes)} of {len(cases)} runs"
                 + (f", {failed} failed" if failed else ""),
             )
-            bar.console.print(literal(f"{case.label}: {fault or _short(outcomes[-1].result)}"))
-    order = {case.scene.hash: i for i, case in enumerate(cases)}
-    return sorted(outcomes, key=lambda o: order[o.case.scene.hash])
+            bar.console.print(literal(f"{case.label}: {outcomes[-1].fault or _short(outcomes[-1].result)}"))
+    return sorted(outcomes, key=lambda o: cases.index(o.case))
+
+
+def _measured(case: Case, out: Path, *, kept: bool = False) -> Outcome:
+    """Measure a run; why that cannot be done is its fault."""
+    try:
+        return Outcome(case, measure_run(place(out, case)), kept=kept)
+    except PockmarkError as error:
+        return Outcome(case, None, str(error), kept=kept)
 
 
 def place(out: Path, case: Case) -> Path:
@@ -74,12 +75,13 @@ def place(out: Path, case: Case) -> Path:
 
 
 def is_done(folder: Path) -> bool:
-    """Whether a finished run of this version is there."""
+    """Whether a finished run of this version and this physics is there."""
     try:
         manifest = RunFolder.open(folder).manifest()
     except PockmarkError:
         return False
-    return manifest.get("status") == "finished" and manifest.get("pockmark") == __version__
+    made_by = manifest.get("pockmark"), manifest.get("physics")
+    return manifest["status"] == "finished" and made_by == (__version__, PHYSICS)
 
 
 def summary(outcomes: Sequence[Outcome], title: str) -> Table:
@@ -95,9 +97,11 @@ def summary(outcomes: Sequence[Outcome], title: str) -> Table:
     return table
 
 
-def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: Sequence[Case] = ()) -> None:
-    """One row a run of those in `out`: swept keys, groups, every measure (SI), and what version made it. Rows of the
-    campaign's other runs that the table has of this version stay."""
+def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: Sequence[Case] = ()) -> int:
+    """Write one row a run of those in `out`: swept keys, groups, every measure (SI), and what made it.
+
+    Rows of the campaign's other runs stay if they are of this version and physics. Returns how many were older and went.
+    """
     rows: list[Mapping[str, Any]] = [
         outcome.case.swept
         | {"groups": " ".join(outcome.case.groups), "fault": outcome.fault, "scene": outcome.case.scene.hash}
@@ -106,23 +110,30 @@ def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: 
         for outcome in outcomes
     ]
     order = {case.scene.hash: i for i, case in enumerate(campaign)}
-    rows += _rows_of_others(path, order.keys() - {outcome.case.scene.hash for outcome in outcomes})
-    rows.sort(key=lambda row: order.get(row["scene"], 0))
+    others = _rows_of_others(path, order.keys() - {outcome.case.scene.hash for outcome in outcomes})
+    kept = [row for row in others if (row.get("version"), row.get("physics")) == (__version__, str(PHYSICS))]
+    rows = sorted([*rows, *kept], key=lambda row: order.get(row["scene"], 0))
     columns = dict.fromkeys(key for row in rows for key in row)
     with told(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(columns), restval="")
-            writer.writeheader()
-            writer.writerows(rows)
+    with (
+        replaced(path) as descriptor,
+        open(descriptor, "w", newline="", encoding="utf-8", closefd=False) as file,
+    ):
+        writer = csv.DictWriter(file, list(columns), restval="")
+        writer.writeheader()
+        writer.writerows(rows)
+    return len(others) - len(kept)
 
 
 def _rows_of_others(path: Path, others: Set[str]) -> list[dict[str, str]]:
     if not path.exists():
         return []
     with told(path), path.open(newline="", encoding="utf-8") as file:
-        found = list(csv.DictReader(file))
-    return [row for row in found if row.get("scene") in others and row.get("version") == __version__]
+        try:
+            return [row for row in csv.DictReader(file) if row.get("scene") in others]
+        except (csv.Error, UnicodeDecodeError) as error:
+            raise PockmarkError(f"{path}: is not a table of pockmark's ({error})") from None
 
 
 def make_report(script: Path, table: Path, runs: Path) -> None:
@@ -140,7 +151,8 @@ def _made_by(folder: Path) -> dict[str, str]:
         manifest = RunFolder(folder).manifest()
     except PockmarkError:
         manifest = {}
-    return {"version": manifest.get("pockmark") or "", "commit": manifest.get("commit") or ""}
+    names = {"version": "pockmark", "physics": "physics", "commit": "commit"}
+    return {column: str(manifest.get(key) or "") for column, key in names.items()}
 
 
 def _run(scene: dict[str, Any], folder: str, threads: int) -> str:
@@ -153,18 +165,6 @@ def _run(scene: dict[str, Any], folder: str, threads: int) -> str:
     except PockmarkError as error:
         return str(error).removeprefix(f"{folder}: ")
     return "" if finished else "interrupted"
-
-
-def _as_they_end(waiting: Mapping[Future[str], Case]) -> Iterator[Future[str]]:
-    left = set(waiting)
-    while left:
-        done, left = wait(left, return_when=FIRST_COMPLETED)
-        yield from done
-
-
-def _pool(jobs: int) -> ProcessPoolExecutor:
-    # Not forked: a process with threads of OpenMP must not be.
-    return ProcessPoolExecutor(max_workers=jobs, mp_context=get_context("spawn"))
 
 
 def _progress(console: Console) -> Progress:

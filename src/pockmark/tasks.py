@@ -5,31 +5,9 @@ import time
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from .live import live_depth
+from .manifest import LEDGER
 from .simulation import LiveFields, Simulation
 from .store import RunFolder
-
-# What a row of the history holds of the ledger.
-LEDGER = (
-    "kinetic",
-    "internal",
-    "absorbed",
-    "left_kinetic",
-    "left_internal",
-    "viscous",
-    "plastic",
-    "pic",
-    "contact",
-    "initial",
-    "error",
-    "mass",
-    "left_mass",
-    "momentum_x",
-    "momentum_y",
-    "momentum_z",
-    "left_momentum_x",
-    "left_momentum_y",
-    "left_momentum_z",
-)
 
 
 class History:

@@ -14,11 +14,18 @@ from .errors import PockmarkError
 def read_toml(path: str | Path) -> dict[str, Any]:
     """The tables of a file. Raises PockmarkError naming it."""
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
         raise PockmarkError(f"{path}: cannot be read ({error.strerror})") from None
     except UnicodeDecodeError:
         raise PockmarkError(f"{path}: is not a text file") from None
+    return parse_toml(text, path)
+
+
+def parse_toml(text: str, path: str | Path) -> dict[str, Any]:
+    """Return the tables of a file's text. Raises PockmarkError naming the file."""
+    try:
+        return tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # not only TOMLDecodeError: a number of 5000 digits
         raise PockmarkError(f"{path}: is not TOML ({error})") from None
 

@@ -109,12 +109,12 @@ def test_check_tells_what_was_fitted_or_rounded():
 
 def test_force_spares_what_is_not_pockmarks(tmp_path):
     scene, folder = Scene.load(QUICK), tmp_path / "run"
-    RunFolder.create(folder, scene)
+    RunFolder.create(folder, scene).release()
     (folder / "notes.txt").write_text("mine")
     (folder / "snapshot-0000.vtkhdf").write_bytes(b"old")
     with pytest.raises(PockmarkError, match="--force"):
         RunFolder.create(folder, scene)
-    RunFolder.create(folder, scene, force=True)
+    RunFolder.create(folder, scene, force=True).release()
     assert sorted(p.name for p in folder.iterdir()) == ["manifest.json", "notes.txt", "scene.toml"]
 
 
@@ -137,14 +137,20 @@ def test_a_torn_manifest_is_told(manifest, tmp_path):
     assert str(tmp_path) in str(caught.value)
 
 
+def _finished(folder):
+    (folder / "manifest.json").write_text('{"scene_hash": "0", "status": "finished"}')
+
+
 @pytest.mark.parametrize("text", ["", "time,error\n", "time,error\n1,2\n3\n", "time,error\n1,x\n"])
 def test_a_torn_history_is_told(text, tmp_path):
+    _finished(tmp_path)
     (tmp_path / "history.csv").write_text(text)
     with pytest.raises(PockmarkError, match=r"history\.csv: is empty or torn"):
         RunFolder(tmp_path).history()
 
 
 def test_a_history_without_a_column_is_told(tmp_path):
+    _finished(tmp_path)
     (tmp_path / "history.csv").write_text("time,depth\n1,2\n")
     with pytest.raises(PockmarkError, match=r"history\.csv: lacks the column error"):
         RunFolder(tmp_path).history("time", "error")
@@ -212,7 +218,9 @@ def _python_that_hears_ctrl_c(code, *arguments):
     )
 
 
-@pytest.mark.parametrize("signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGINT] * 3], ids=str)
+@pytest.mark.parametrize(
+    "signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT] * 3], ids=str
+)
 def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
     folder = tmp_path / "run"
     run = _short(

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from pockmark import PockmarkError, __version__
+from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.campaign import cases, load
+from pockmark.run import run_scene
 from pockmark.study import is_done, place, run_study, summary, write_results
 
 ROOT = Path(__file__).parents[2]
@@ -71,7 +72,7 @@ def test_what_is_done_is_kept_and_what_fails_stops_nothing(folder, tmp_path):
     rows = list(csv.DictReader((tmp_path / "results.csv").open()))
     assert [row["impact.speed"] for row in rows] == ["1 km/s", "2 km/s", "2 km/s"]
     assert float(rows[1]["energy.residual_internal"]) == again[1].result["energy"]["residual_internal"]
-    assert {row["version"] for row in rows} == {__version__}
+    assert {(row["version"], row["physics"]) for row in rows} == {(__version__, str(PHYSICS))}
     assert summary(again, "t").row_count == 3
 
 
@@ -91,6 +92,40 @@ def test_a_part_of_a_campaign_keeps_the_rows_of_the_others(folder, tmp_path):
     # Of another version, or of no run of the campaign any more.
     table.write_text(table.read_text().replace(__version__, "0.0.1").replace(every[0].scene.hash, "gone"))
     assert [row["scene"] for row in rows(every[2])] == [every[2].scene.hash]
+    # Of another physics.
+    text = table.read_text().replace(f",{__version__},{PHYSICS},", f",{__version__},{PHYSICS - 1},")
+    assert text != table.read_text()
+    table.write_text(text)
+    outcomes = run_study([every[0]], out, jobs=1, console=Console(file=io.StringIO()))
+    assert write_results(outcomes, out, table, every) == 1
+    assert [row["scene"] for row in csv.DictReader(table.open())] == [every[0].scene.hash]
+
+
+def test_a_run_of_an_older_physics_is_not_reused(folder, tmp_path):
+    case = cases(load(folder), folder, quick=True, only=[])[0]
+    run, path = place(tmp_path, case), place(tmp_path, case) / "manifest.json"
+    run_scene(case.scene, run, threads=1, progress=False, coarse=True)
+    assert is_done(run)
+    made = path.read_text()
+    for older in (f'"physics": {PHYSICS - 1},', ""):
+        path.write_text(made.replace(f'"physics": {PHYSICS},', older))
+        assert path.read_text() != made
+        assert not is_done(run)
+
+
+def test_the_physics_is_the_number_of_its_entries_in_the_changelog():
+    entries, heading = 0, ""
+    for line in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines():
+        heading = line if line.startswith("#") else heading
+        entries += heading == "### Physics" and line.startswith("- ")
+    assert entries == PHYSICS
+
+
+def test_a_title_is_no_part_of_what_a_run_is_kept_by(folder):
+    scene = cases(load(folder), folder, quick=True, only=[])[0].scene
+    titled = scene.model_copy(update={"title": "another"})
+    assert titled.hash == scene.hash
+    assert scene.model_copy(update={"end_time": 2e-9}).hash != scene.hash
 
 
 @pytest.mark.parametrize(
@@ -117,10 +152,14 @@ def test_an_unknown_figure_is_refused(folder):
 
 def test_the_committed_campaigns_load():
     for path in sorted((ROOT / "studies").glob("*/campaign.toml")):
-        for quick in (False, True):
+        for quick in (True, False):
             found = cases(load(path.parent), path.parent, quick=quick, only=[])
             print(f"{path.parent.name}: {len(found)} runs{' in the quick form' if quick else ''}")
             assert found
+        # `found` is the whole campaign now: its table's rows are of its scenes, and say their physics.
+        rows = list(csv.DictReader((path.parent / "results.csv").open()))
+        assert {row["scene"] for row in rows} <= {case.scene.hash for case in found}
+        assert all(0 < int(row["physics"]) <= PHYSICS for row in rows)
 
 
 def test_the_command_runs_a_campaign_and_says_where_its_table_is(folder, tmp_path):

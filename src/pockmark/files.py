@@ -1,0 +1,94 @@
+"""Opening what is in a run folder as what it should be: a regular file of a sane size, never what a link points to."""
+
+import errno
+import os
+import re
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from .errors import PockmarkError
+
+LARGEST_TEXT = 2**20  # bytes of a manifest or a scene; theirs are kilobytes
+
+
+def open_regular(path: Path, flags: int) -> int:
+    """Return a descriptor of a regular file. Raises PockmarkError for anything else, at once and without following a link."""
+    try:
+        # A pipe without a writer would keep a plain open() waiting.
+        descriptor = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o666)
+    except OSError as error:
+        if error.errno in (errno.ELOOP, errno.ENXIO, errno.EISDIR):
+            raise PockmarkError(f"{path}: is no regular file ({_what(path)})") from None
+        raise PockmarkError(f"{path}: {reason(error)}") from None
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise PockmarkError(f"{path}: is no regular file ({_what(path)})")
+    return descriptor
+
+
+def read_text(path: Path) -> str:
+    """Return a short file's text, UTF-8. Raises PockmarkError for what is too long, no text or no regular file."""
+    with told(path), open(open_regular(path, os.O_RDONLY), "rb") as file:
+        read = file.read(LARGEST_TEXT + 1)
+    if len(read) > LARGEST_TEXT:
+        raise PockmarkError(
+            f"{path}: has more than {LARGEST_TEXT:,} bytes, which no file of pockmark's needs"
+        )
+    try:
+        return read.decode()
+    except UnicodeDecodeError:
+        raise PockmarkError(f"{path}: is not a text file") from None
+
+
+@contextmanager
+def replaced(path: Path) -> Iterator[int]:
+    """Give the descriptor of a new file that takes the place of `path` at the end; a failure leaves the old one whole.
+
+    A link at `path` is replaced, not followed.
+    """
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    with told(path):
+        part.unlink(missing_ok=True)  # of a process of the same number that was killed
+        descriptor = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o666)
+        try:
+            yield descriptor
+            part.replace(path)
+        finally:
+            os.close(descriptor)
+            part.unlink(missing_ok=True)
+
+
+def write_text(path: Path, text: str) -> None:
+    """Replace a file by a text in one go. Raises PockmarkError."""
+    with replaced(path) as descriptor, open(descriptor, "wb", closefd=False) as file:
+        file.write(text.encode())
+
+
+@contextmanager
+def told(path: str | Path) -> Iterator[None]:
+    """Turn a failure of the system into one sentence about `path`."""
+    try:
+        yield
+    except OSError as error:
+        raise PockmarkError(f"{path}: {reason(error)}") from None
+
+
+def reason(error: Exception) -> str:
+    """Return what the system says, on one line; HDF5 hides its number in the middle of a message."""
+    if number := re.search(r"errno = (\d+)", str(error)):
+        return os.strerror(int(number[1]))
+    return (isinstance(error, OSError) and error.strerror) or " ".join(str(error).split())
+
+
+def _what(path: Path) -> str:
+    """Name the kind of thing at a path."""
+    mode = os.lstat(path).st_mode
+    kinds = {
+        stat.S_IFLNK: "a symbolic link, which is not followed",
+        stat.S_IFDIR: "a folder",
+        stat.S_IFIFO: "a pipe",
+        stat.S_IFSOCK: "a socket",
+    }
+    return kinds.get(stat.S_IFMT(mode), "a device")
