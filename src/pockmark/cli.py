@@ -32,6 +32,7 @@ app = typer.Typer(
 )
 console = make_console()
 
+DOUBTFUL = 3  # exit code of a run that finished in a state that cannot be
 MAX_PATH = 4096  # characters of a path that are printed
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene in TOML.")]
@@ -79,12 +80,18 @@ def run(
             progress=not quiet,
             coarse=coarse,
         )
-        console.print(report(measure_run(folder.path)))
+        result = measure_run(folder.path)
+        console.print(report(result))
         for picture in plot_run(folder.path):
             console.print(f"wrote {shown(picture, MAX_PATH)}")
     if not finished:
         console.print("interrupted: what was computed is kept", style="yellow")
         raise typer.Exit(130)
+    if result["doubts"]:
+        console.print(
+            "doubtful: what the table says of it first makes its other numbers worth little", style="bold red"
+        )
+        raise typer.Exit(DOUBTFUL)
 
 
 @app.command()

@@ -63,6 +63,7 @@ class Measured(_Part):
     run: Run
     ledger: dict[Text, float | None]
     counters: dict[Text, Count]
+    doubts: list[Annotated[str, Field(max_length=1000)]] | None = None
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:

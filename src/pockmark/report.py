@@ -16,6 +16,8 @@ Results = Mapping[str, Any]
 def report(result: Results) -> Table:
     """The table that `pockmark run` and `measure` print."""
     table = Table(show_header=False, title="Crater")
+    for sentence in result["doubts"]:
+        table.add_row(Text("doubtful", style="bold red"), Text(sentence, style="bold red"))
     for sentence in result["warnings"]:
         table.add_row(Text("warning", style="yellow"), Text(sentence, style="yellow"))
     table.add_section()

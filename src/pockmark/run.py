@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from . import cautions, results
 from .bodies import Block, Swarm
+from .doubts import Doubts, doubts
 from .errors import PockmarkError
 from .files import replaced, told
-from .forecast import MIN_CELLS_ACROSS, cells_across, is_too_coarse
+from .forecast import MIN_CELLS_ACROSS, cells_across, frame_warnings, is_too_coarse
 from .hole import measure_hole
 from .lattice import count, point_volume
 from .morphology import Group, measure_group
@@ -53,7 +54,12 @@ def run_scene(
         stop_if_asked()  # before `force` replaces a run
         folder = RunFolder.create(path, scene, force=force)
         began = folder.manifest()
-        tasks: list[Task] = [History(folder, scene.output.history), Snapshots(folder, scene.output.snapshots)]
+        followed = Doubts(scene.output.history)
+        tasks: list[Task] = [
+            History(folder, scene.output.history),
+            Snapshots(folder, scene.output.snapshots),
+            followed,
+        ]
         status = "failed"
         bar = ProgressBar(simulation) if progress else None
 
@@ -77,7 +83,7 @@ def run_scene(
             raise
         finally:
             try:
-                folder.write_manifest(began | _end(simulation, status))
+                folder.write_manifest(began | _end(simulation, status) | {"doubts": followed.sentences()})
             finally:
                 folder.release()
             if bar:
@@ -139,9 +145,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     }
     history = folder.history("error", "initial")
     snapshot = _in_the_grid(folder.last_snapshot(), scene)
-    table = measures(snapshot, scene, ledger, run, record.counters, history)
-    initial = float(history["initial"][0])
-    table["energy"]["ledger_error_max"] = float(np.abs(history["error"]).max()) / initial if initial else None
+    table = measures(snapshot, scene, ledger, run, record.counters, history, record.doubts)
     return dict(finite(table))
 
 
@@ -152,8 +156,10 @@ def measures(
     run: Mapping[str, Any],
     counters: Mapping[str, int],
     history: Mapping[str, NDArray[np.float64]],
+    said: Sequence[str] | None = None,
 ) -> dict[str, Any]:
-    """The tables of `measure_run`, of the state in a snapshot and what a run says of itself."""
+    """The tables of `measure_run`, of the state in a snapshot and what a run says of itself; the doubts that it `said`, None for
+    a run that did not come to say them."""
     wall = first_wall(scene)
     field = results.field_of(snapshot, wall, scene.mirrors)
     surface = _surface(field)
@@ -206,8 +212,28 @@ def measures(
         *cautions.of_hole(hole, surface, wall),
         *cautions.of_crater(crater, surface, wall, scene.mirrors),
         *cautions.of_resolution(wall, cells, change),
+        *frame_warnings(scene),
     ]
+    error = _ledger_error(history)
+    worst = int(np.argmax(error)) if len(error) else None
+    table["energy"]["ledger_error_max"] = None if worst is None else float(error[worst])
+    if said is None:
+        known = worst is not None and "time" in history
+        share, when = (float(error[worst]), float(history["time"][worst])) if known else (0.0, 0.0)
+        said = doubts(counters, share, when)
+    table["doubts"], table["run"]["doubtful"] = [*said], bool(said)
     return table
+
+
+def _ledger_error(history: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Return the size of the ledger error in each row, as a share of the initial energy; empty where there is none."""
+    if (
+        not {"error", "initial"} <= history.keys()
+        or not len(history["initial"])
+        or not history["initial"][0] > 0
+    ):
+        return np.zeros(0)
+    return np.asarray(np.abs(history["error"]) / history["initial"][0])
 
 
 def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:

@@ -22,7 +22,13 @@ from pockmark.wall import first_wall
 LEFT = ("left_mass", "left_momentum_x", "left_momentum_y", "left_momentum_z")
 LEDGER = dict.fromkeys((*SHARES, *LEFT, "error"), 0.0) | {"initial": 1.0}
 RUN = {"status": "finished", "end_time": 1e-8, "time": 1e-8, "max_compression": 1.0, "points": 1, "steps": 1}
-RUN |= {"failure_treatment": "", "scheme": "", "shape_functions": "", "particle_steps_per_second": 1.0}
+RUN |= {
+    "torn_rows": 0,
+    "failure_treatment": "",
+    "scheme": "",
+    "shape_functions": "",
+    "particle_steps_per_second": 1.0,
+}
 BALL = '{name = "ball", shape = "sphere", center = ["0 um", "0 um", "6 um"], radius = "6 um", spacing = "2 um", material = "al2024-liu2015", projectile = true}'
 SWARM = BALL.replace(
     'shape = "sphere", center = ["0 um", "0 um", "6 um"]',
@@ -174,7 +180,8 @@ def test_a_run_from_which_everything_leaves_ends_well(tmp_path, capsys, monkeypa
     lines["boundary"]["z_lower"] = "free"
     scene.write_text(Scene.from_dict(lines).to_toml())
     monkeypatch.setattr(
-        "sys.argv", ["pockmark", "run", str(scene), "-o", str(tmp_path / "run"), "--threads", "1", "--quiet"]
+        "sys.argv",
+        ["pockmark", "run", str(scene), "-o", str(tmp_path / "run"), "--threads", "1", "--quiet", "--coarse"],
     )
     with pytest.raises(SystemExit) as ended:
         main()
@@ -236,7 +243,7 @@ def test_a_crater_that_still_grows_says_so_at_the_top(tmp_path, stopped, monkeyp
 
     if stopped:
         monkeypatch.setattr(Simulation, "advance", interrupted)
-    run_scene(scene, tmp_path / "run", threads=1, progress=False)
+    run_scene(scene, tmp_path / "run", threads=1, progress=False, coarse=True)
     result = measure(tmp_path / "run")
     assert result["run"]["status"] == ("interrupted" if stopped else "finished")
     assert math.isfinite(change := result["crater"]["depth_change_last_tenth"])

@@ -75,7 +75,9 @@ def killed(tmp_path_factory):
         told = {"status": measure(folder)["run"]["status"], "standing": standing_of(folder)}
         for force in (False, True):
             with pytest.raises(PockmarkError) as caught:
-                run_scene(Scene.load(QUICK, SMALL), folder, threads=1, force=force, progress=False, coarse=True)
+                run_scene(
+                    Scene.load(QUICK, SMALL), folder, threads=1, force=force, progress=False, coarse=True
+                )
             told[force] = str(caught.value)
         told["pid"] = run.pid
         assert run.poll() is None
