@@ -48,8 +48,6 @@ def damage(seed: int, folder: Path) -> Damage:
     outside = folder.parent / OUTSIDE
     outside.mkdir()
     (outside / "text").write_bytes(b"somebody's\n")
-    with h5py.File(outside / "data.h5", "w") as file:
-        file["points"] = np.zeros((10, 3))
     return rng.choices((_file, _manifest, _history, _scene, _dataset, _link), (4, 3, 2, 1, 5, 2))[0](
         rng, folder
     )
@@ -163,7 +161,7 @@ def _dataset(rng: random.Random, folder: Path) -> Damage:
     path, name, kind = (
         _path(folder, "snapshot"),
         rng.choice(DATASETS),
-        rng.choice((*DATA, "elsewhere", "elsewhere")),
+        rng.choice((*DATA, *["elsewhere"] * 6)),
     )
     outside = folder.parent / OUTSIDE / "data.h5"
     with h5py.File(path, "r+") as file:
@@ -204,18 +202,22 @@ DATA: dict[str, Callable[[random.Random, Any], Any]] = {
 
 
 def _external(file: h5py.File, name: str, old: Any, outside: Path) -> None:
-    file[name] = h5py.ExternalLink(outside, "points")
+    with h5py.File(outside, "w") as other:
+        other["data"] = old
+    file[name] = h5py.ExternalLink(outside, "data")
 
 
 def _storage(file: h5py.File, name: str, old: Any, outside: Path) -> None:
-    file.create_dataset(
-        name, shape=old.shape, dtype=old.dtype, external=[(str(outside), 0, h5py.h5f.UNLIMITED)]
-    )
+    outside.write_bytes(old.tobytes())
+    place = [(str(outside), 0, h5py.h5f.UNLIMITED)]
+    file.create_dataset(name, shape=old.shape, dtype=old.dtype, external=place)
 
 
 def _virtual(file: h5py.File, name: str, old: Any, outside: Path) -> None:
+    with h5py.File(outside, "w") as other:
+        other["data"] = old
     layout = h5py.VirtualLayout(shape=old.shape, dtype=old.dtype)
-    layout[...] = h5py.VirtualSource(str(outside), "points", shape=old.shape)
+    layout[...] = h5py.VirtualSource(str(outside), "data", shape=old.shape)
     file.create_virtual_dataset(name, layout)
 
 
