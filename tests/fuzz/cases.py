@@ -17,7 +17,7 @@ from pockmark.report import report
 from pockmark.run import measure_run, plot_run, run_scene
 from pockmark.store import RunFolder, Snapshot, to_json
 
-COMMANDS = 10  # one case in so many goes through the command line too
+COMMANDS = 4  # one case in so many goes through the command line too
 PICTURES = 2  # one in so many is drawn, which takes the longest
 
 

@@ -105,6 +105,7 @@ KEYS = [
     "\n",
     "k" * 5000,
 ]
+SIZES = ("spacing", "radius", "pitch", "number", "flux")
 UNITS = [
     "um",
     "mm",
@@ -172,13 +173,19 @@ def hostile_campaign(seed: int) -> dict[str, bytes]:
 
 
 def _base(rng: random.Random) -> Table:
-    """Return an example, with some of what the examples leave out."""
+    """Return an example, with some of what the examples leave out, at times with strange names or a wrong size."""
     table = tomllib.loads(rng.choice(EXAMPLES).decode())
     table |= {key: copy.deepcopy(OPTIONAL[key]) for key in OPTIONAL if rng.random() < 0.4}
     if "materials" in table and rng.random() < 0.7:
         table["body"][1] = (
             RANDOM_SWARM | {} if rng.random() < 0.4 else table["body"][1] | {"material": "mine"}
         )
+    for holder, key in ((table, "title"), (table["body"][0], "name"), (table["body"][1], "name")):
+        if rng.random() < 0.08:
+            holder[key] = rng.choice(HOSTILE[rng.choice(("markup", "control", "unicode", "long"))])
+    if rng.random() < 0.1:
+        body = rng.choice(table["body"])
+        _rescale(rng, body, rng.choice([key for key in SIZES if key in body]))
     return table
 
 
@@ -278,7 +285,7 @@ def _rescale(rng: random.Random, holder: Any, key: Any) -> None:
         10.0 ** rng.choice((-300, -100, -30, -9, -3, -1, -0.1, 0.1, 0.3, 1, 3, 9, 30, 100, 300)),
     )
     if isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300:
-        holder[key] = rng.choice((1, 1, -1)) * value * factor
+        holder[key] = type(value)(rng.choice((1, 1, -1)) * value * factor)
     elif isinstance(value, str) and (match := re.match(r"[-+\d.e]+", value)):
         holder[key] = (
             f"{match[0]}e{rng.choice((-300, -30, -9, -6, -3, 3, 6, 9, 30, 300))}{value[match.end() :]}"

@@ -10,6 +10,7 @@ Table = dict[str, Any]
 POINT_STEPS = 1e7  # the most of a run
 POINTS = 30_000
 FACES = ("transmitting", "transmitting", "free", "fixed", "symmetry")
+TITLES = ("", "plain", "a $ b", "x [/b] y", "[red]x", "cost $\\frac{$", "a_{b", "M\u00fcller 100 %")
 TREATMENTS = ("inactive", "no_damage", "signed", "floor", "clamp_triaxiality")
 
 
@@ -33,6 +34,8 @@ def impact(seed: int) -> Table:
         scene["boundary"] |= {
             face: "transmitting" for face in ("x_lower", "x_upper") if scene["boundary"][face] == "symmetry"
         }
+    scene["title"] = TITLES[seed // 2 % len(TITLES)]
+    scene["body"][0]["name"] = scene["title"] or "target"
     numerics = scene["numerics"] = _numerics(rng)
     if rng.random() < 0.4:
         scene["contact"] = {"friction": rng.choice((0.0, 0.1, 1.0))}
