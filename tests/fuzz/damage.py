@@ -45,6 +45,7 @@ class Damage:
 def damage(seed: int, folder: Path) -> Damage:
     """Break a run folder in the way of this seed. The files that lie OUTSIDE of it are made, too."""
     rng = random.Random(f"folder {seed}")
+    folder = folder.resolve()  # links must not depend on where they are read from
     outside = folder.parent / OUTSIDE
     outside.mkdir()
     (outside / "text").write_bytes(b"somebody's\n")
