@@ -90,56 +90,13 @@ HOSTILE: dict[str, list[Any]] = {
         "1" + " " * 100_000 + "um", [0] * 20_000, ["1 um"] * 2000],
     "deep": [Raw("[" * depth + "]" * depth) for depth in (5, DEEP)],
 }  # fmt: skip
-KEYS = [
-    "",
-    "x",
-    "spacing",
-    "radius",
-    "lower",
-    "material",
-    "model",
-    "0",
-    "a.b",
-    "\x1b[1m",
-    "[b]",
-    "\n",
-    "k" * 5000,
-]
+KEYS = ["", "x", "spacing", "radius", "lower", "material", "model", "0", "a.b", "\x1b[1m", "[b]", "\n",
+    "k" * 5000]  # fmt: skip
 SIZES = ("spacing", "radius", "pitch", "number", "flux")
-UNITS = [
-    "um",
-    "mm",
-    "m",
-    "km/s",
-    "m/s",
-    "ns",
-    "s",
-    "deg",
-    "rad",
-    "GPa",
-    "K",
-    "g/cm^3",
-    "mg/cm^2",
-    "1/s",
-    "%",
-    "",
-]
-SAMPLES = [
-    "=",
-    "[",
-    "]",
-    "'",
-    '"',
-    '"""',
-    "\n[[body]]\n",
-    "\n[grid]\n",
-    "\x00",
-    "\ufeff",
-    "#",
-    ".",
-    "\\u",
-    "9" * 5000,
-]
+UNITS = ["um", "mm", "m", "km/s", "m/s", "ns", "s", "deg", "rad", "GPa", "K", "g/cm^3", "mg/cm^2",
+    "1/s", "%", ""]  # fmt: skip
+SAMPLES = ["=", "[", "]", "'", '"', '"""', "\n[[body]]\n", "\n[grid]\n", "\x00", "\ufeff", "#", ".",
+    "\\u", "9" * 5000]  # fmt: skip
 
 Table = dict[str, Any]
 Place = tuple[Any, Any]  # a table or list, and a key or index of it
@@ -154,9 +111,9 @@ class HostileScene:
 
 
 def hostile_scene(seed: int) -> HostileScene:
-    """Return the scene of this seed: wrong values, wrong bytes or wrong overrides."""
+    """Return the scene of this seed: wrong values, bytes, overrides, or names that only look wrong."""
     rng = random.Random(f"scene {seed}")
-    return rng.choices((_wrong_values, _wrong_bytes, _wrong_overrides), (6, 2, 2))[0](rng)
+    return rng.choices((_wrong_values, _wrong_bytes, _wrong_overrides, _wrong_names), (6, 2, 2, 1))[0](rng)
 
 
 def hostile_campaign(seed: int) -> dict[str, bytes]:
@@ -182,7 +139,7 @@ def _base(rng: random.Random) -> Table:
         )
     for holder, key in ((table, "title"), (table["body"][0], "name"), (table["body"][1], "name")):
         if rng.random() < 0.08:
-            holder[key] = rng.choice(HOSTILE[rng.choice(("markup", "control", "unicode", "long"))])
+            holder[key] = rng.choice((_name(rng), "x" * 100_000))
     if rng.random() < 0.1:
         body = rng.choice(table["body"])
         _rescale(rng, body, rng.choice([key for key in SIZES if key in body]))
@@ -208,6 +165,17 @@ def _wrong_overrides(rng: random.Random) -> HostileScene:
         shown = value if isinstance(value, str) and rng.random() < 0.5 else _value(value)
         texts.append(rng.choice(["{}={}", "{}={}", "{} = {}", "{}{}", "={}{}", "{}='{}"]).format(path, shown))
     return HostileScene(to_toml(table).encode(), tuple(texts))
+
+
+def _wrong_names(rng: random.Random) -> HostileScene:
+    table = _base(rng)
+    for holder in (table, *table["body"]):
+        holder["title" if holder is table else "name"] = _name(rng)
+    return HostileScene(to_toml(table).encode())
+
+
+def _name(rng: random.Random) -> str:
+    return str(rng.choice(HOSTILE[rng.choice(("markup", "markup", "control", "unicode"))]))
 
 
 def _path(rng: random.Random, table: Table) -> str:

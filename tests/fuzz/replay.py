@@ -9,6 +9,7 @@ import json
 import os
 import resource
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -24,6 +25,7 @@ KINDS: dict[str, Callable[[], Callable[[int], Verdict]]] = {
     "folders": FolderCases,
     "runs": lambda: run_case,
 }
+SECONDS = {"scenes": 10, "campaigns": 10, "folders": 10, "runs": 30}  # of the processor
 MEMORY = {"scenes": 2**29, "campaigns": 2**29, "folders": 2**31, "runs": 2**32}  # bytes beyond the modules'
 
 
@@ -47,6 +49,7 @@ def main() -> None:
         print("ready", flush=True)
         last = arguments.first if arguments.last is None else arguments.last
         for seed in range(arguments.first, last + 1):
+            signal.setitimer(signal.ITIMER_PROF, SECONDS[arguments.kind])  # it ends the process
             _replay(case, seed)
     finally:
         if not arguments.keep:

@@ -55,12 +55,13 @@ def _write(kind: str, rows: list[tuple[str, str, int, str]]) -> None:
 
 
 SCRIPT = """
-import json, os, sys, time
+import json, os, signal, sys, time
 print("ready", flush=True)
 for seed in range(int(sys.argv[2]), int(sys.argv[3]) + 1):
     if seed == 1: time.sleep(60)
     if seed == 2: os.abort()
-    faults = ["traceback: so", "traceback: too"] if seed == 3 else []
+    if seed == 3: os.kill(os.getpid(), signal.SIGPROF)
+    faults = ["traceback: so", "traceback: too"] if seed == 4 else []
     print(json.dumps({"seed": seed, "seconds": 0.1, "outcome": "accepted", "faults": faults}), flush=True)
 """
 
@@ -68,16 +69,16 @@ for seed in range(int(sys.argv[2]), int(sys.argv[3]) + 1):
 def test_a_hang_and_a_crash_are_faults_and_end_nothing(tmp_path, monkeypatch):
     (tmp_path / "replay.py").write_text(SCRIPT)
     monkeypatch.setattr(watch_module, "REPLAY", tmp_path / "replay.py")
-    monkeypatch.setitem(watch_module.LIMITS, "scenes", 0.5)
-    cases = list(watch("scenes", range(5)))
+    monkeypatch.setattr(watch_module, "PATIENCE", 0.5)
+    cases = list(watch("scenes", range(6)))
     assert [(case.seed, case.outcome) for case in cases] == [
-        *((0, "accepted"), (1, "hang"), (2, "crash"), (3, "accepted"), (4, "accepted"))
+        *((0, "accepted"), (1, "hang"), (2, "crash"), (3, "hang"), (4, "accepted"), (5, "accepted"))
     ]
     assert table("scenes", cases) == [
         ("scenes", "FAULT crash", 1, "2"),
-        ("scenes", "FAULT hang", 1, "1"),
-        ("scenes", "FAULT traceback", 1, "3"),
-        ("scenes", "outcome accepted", 3, "0 3 4"),
+        ("scenes", "FAULT hang", 2, "1 3"),
+        ("scenes", "FAULT traceback", 1, "4"),
+        ("scenes", "outcome accepted", 3, "0 4 5"),
         ("scenes", "outcome crash", 1, "2"),
-        ("scenes", "outcome hang", 1, "1"),
+        ("scenes", "outcome hang", 2, "1 3"),
     ]

@@ -2,8 +2,10 @@
 
 import json
 import queue
+import signal
 import subprocess
 import sys
+import tempfile
 import threading
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
@@ -11,7 +13,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-LIMITS = {"scenes": 10.0, "campaigns": 10.0, "folders": 10.0, "runs": 60.0}  # s
+# Until a case that waits is ended: it ends itself after less time of the processor, however busy that is with others.
+PATIENCE = 60.0  # s
 START = 120.0  # s
 REPLAY = Path(__file__).with_name("replay.py")
 
@@ -37,24 +40,40 @@ def watch(kind: str, seeds: range) -> Iterator[Case]:
 
 def _one_process(kind: str, seeds: range) -> Iterator[Case]:
     """Yield verdicts until the process ends, with a last one on why if that was too early."""
-    command = [sys.executable, str(REPLAY), kind, str(seeds[0]), str(seeds[-1])]
+    with tempfile.TemporaryDirectory() as place:
+        command = [sys.executable, REPLAY, kind, str(seeds[0]), str(seeds[-1]), "--keep", place]
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        ) as process:
+            try:
+                yield from _cases(process, seeds)
+            finally:
+                process.kill()
+
+
+def _cases(process: "subprocess.Popen[str]", seeds: range) -> Iterator[Case]:
+    """Yield verdicts as the process prints them."""
     lines: queue.Queue[str] = queue.Queue()
-    seed = seeds.start
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as process:
-        threading.Thread(target=_read, args=(process.stdout, lines), daemon=True).start()
+    threading.Thread(target=_read, args=(process.stdout, lines), daemon=True).start()
+    if lines.get(timeout=START) != "ready\n":
+        raise RuntimeError(f"{process.args} does not start")
+    for seed in seeds:
         try:
-            if lines.get(timeout=START) != "ready\n":
-                raise RuntimeError(f"{' '.join(command)} does not start")
-            while seed < seeds.stop and (line := lines.get(timeout=LIMITS[kind])):
-                yield Case(**json.loads(line))
-                seed += 1
+            line = lines.get(timeout=PATIENCE)
         except queue.Empty:
-            yield Case(seed, "hang", [f"hang: above {LIMITS[kind]:g} s"], LIMITS[kind])
+            yield Case(seed, "hang", [f"hang: waits above {PATIENCE:g} s"], PATIENCE)
             return
-        finally:
-            process.kill()
-    if seed < seeds.stop:
-        yield Case(seed, "crash", [f"crash: the process ended with {process.returncode}"], 0.0)
+        if not line:
+            yield _ended(seed, process.wait(START))
+            return
+        yield Case(**json.loads(line))
+
+
+def _ended(seed: int, code: int) -> Case:
+    """Return the verdict on the case in which the process ended."""
+    if code == -signal.SIGPROF:
+        return Case(seed, "hang", ["hang: beyond its time of the processor"], 0.0)
+    return Case(seed, "crash", [f"crash: the process ended with {code}"], 0.0)
 
 
 def _read(stream: Any, lines: "queue.Queue[str]") -> None:
