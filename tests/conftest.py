@@ -1,6 +1,12 @@
-"""Lets the tests of each folder import the folder's helpers."""
+"""Lets the tests of each folder import the folder's helpers, and asks for the fuzzer's long form."""
 
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent / "verification"))
+
+
+def pytest_addoption(parser):
+    parser.addoption(
+        "--fuzz-long", action="store_true", help="tests/fuzz: 20,000 scenes, 300 folders, 300 runs"
+    )
