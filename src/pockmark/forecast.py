@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 from . import _core
 from .bodies import Block, Body, Vector
 from .equations import volume_energy
+from .errors import shown
 from .lattice import count, point_volume
 from .materials import JohnsonCook, Material, MieGruneisen
 from .scene import FACES, Scene
@@ -124,7 +125,7 @@ def warnings(scene: Scene) -> list[str]:
             said += _face_warnings(body, scene)
         else:
             said += _short_side_warnings(body, scene)
-        out += [f"body[{i}] '{body.name}': {text}" for text in said]
+        out += [f"body[{i}] '{shown(body.name)}': {text}" for text in said]
     for name in dict.fromkeys(b.material for b in scene.body):
         out += _failure_warning(name, scene)
     return out
@@ -166,7 +167,7 @@ def frame_warnings(scene: Scene) -> list[str]:
     if scene.numerics.shape_functions != "trilinear" or not 0 < scene.impact.speed < FRAME_SPEED:
         return []
     return [
-        "trilinear shape functions make a plane shock depend on the frame: where the shocked material moves, its pressure is 49 % "
+        "trilinear shape functions make a plane shock depend on the frame: where the shocked material is in motion, its pressure is 49 % "
         "low at 1 km/s and 17 % at 2.2 km/s after a hundred cells, and right where it stands still (quadratic: within 1 %)"
     ]
 
@@ -213,7 +214,7 @@ def _crater_warnings(scene: Scene) -> list[str]:
         settled = max(settled, settling_time(depth, scene.materials[body.material]))
         if depth > body.fits[2].length / 2:
             out.append(
-                f"body[{i}] '{body.name}': Eq. 22 predicts a crater {depth * 1e6:.3g} um deep, more than half of its thickness, "
+                f"body[{i}] '{shown(body.name)}': Eq. 22 predicts a crater {depth * 1e6:.3g} um deep, more than half of its thickness, "
                 f"{body.fits[2].length * 1e6:.4g} um: it may be perforated, or the crater feel what lies behind"
             )
         elif wide := _too_wide(scene, depth):

@@ -145,7 +145,8 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     }
     history = folder.history("error", "initial")
     snapshot = _in_the_grid(folder.last_snapshot(), scene)
-    table = measures(snapshot, scene, ledger, run, record.counters, history, record.doubts)
+    with np.errstate(all="ignore"):  # what is no number then is null in the table, and said
+        table = measures(snapshot, scene, ledger, run, record.counters, history, record.doubts)
     return dict(finite(table))
 
 

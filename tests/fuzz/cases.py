@@ -128,7 +128,11 @@ def run_case(seed: int) -> Verdict:
     if scene is None:
         return verdict
     if (
-        answer(verdict, lambda: run_scene(scene, folder, threads=1, progress=False), otherwise="stopped")
+        answer(
+            verdict,
+            lambda: run_scene(scene, folder, threads=1, progress=False, coarse=True),
+            otherwise="stopped",
+        )
         is None
     ):
         return verdict

@@ -12,7 +12,9 @@ from pockmark import PockmarkError, Scene
 
 
 def _refuse(text):
-    raise PockmarkError(text)
+    error = PockmarkError("")
+    error.args = (text,)  # as it would be if the error did not clean its sentence itself
+    raise error
 
 
 def kinds(faults):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation, measure
+from pockmark.bench import bench_scene
 from pockmark.forecast import forecast
 from pockmark.run import run_scene
 from pockmark.store import RunFolder, Snapshot
@@ -111,6 +112,31 @@ def test_check_tells_the_size_before_anything_runs():
     assert "252,112" in done.stdout
     assert "47,500" in done.stdout
     assert "1.3467" in done.stdout  # the triaxiality above which the paper's failure strain is <= 0
+
+
+# Prints the peak of a command, bytes. From a small process: what starts a command counts as a part of it.
+PEAK = """
+import resource, subprocess, sys
+subprocess.run(sys.argv[1:], check=True)
+print(1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+"""
+
+
+@pytest.mark.parametrize(("points", "precision"), [(60_000, "double"), (250_000, "single")])
+def test_the_memory_and_the_disk_are_as_forecast(points, precision, tmp_path):
+    """Of the whole command: running, measuring, drawing. Millions of points: benchmarks/README.md."""
+    short = ("end_time='1 ns'", "output.snapshots='0.3 ns'", f"numerics.precision={precision}")
+    scene = bench_scene(points, short)
+    scene.save(tmp_path / "scene.toml")
+    words = ["run", tmp_path / "scene.toml", "-o", tmp_path / "run", "--quiet", "--threads", "1"]
+    command = [sys.executable, "-c", PEAK, sys.executable, "-m", "pockmark", *map(str, words)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True)
+    peak = int(done.stdout.split()[-1])
+    disk = sum(file.stat().st_size for file in (tmp_path / "run").iterdir())
+    expected = forecast(scene, 1)
+    print(f"peak {peak / 2**20:.0f} MiB, forecast {expected.memory / 2**20:.0f} MiB; disk {disk}")
+    assert expected.memory == pytest.approx(peak, rel=0.15)
+    assert expected.disk == pytest.approx(disk, rel=0.05)
 
 
 def test_forecast_warns():
