@@ -29,6 +29,9 @@ from .surface import Field, Surface, with_image
 from .tasks import History, ProgressBar, Snapshots
 from .wall import first_wall, walls
 
+# What a measure makes of absurd fields is no number then: null in the table, and a sentence, not a warning of NumPy's.
+UNWARNED = np.errstate(all="ignore")
+
 
 def run_scene(
     scene: Scene,
@@ -128,6 +131,7 @@ def treatments(scene: Scene) -> str:
     return ", ".join(f"{name}: {scene.materials[name].failure.treatment}" for name in used)
 
 
+@UNWARNED
 def measure_run(path: str | Path) -> dict[str, Any]:
     """Crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
     folder = RunFolder.open(path)
@@ -145,8 +149,7 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     }
     history = folder.history("error", "initial")
     snapshot = _in_the_grid(folder.last_snapshot(), scene)
-    with np.errstate(all="ignore"):  # what is no number then is null in the table, and said
-        table = measures(snapshot, scene, ledger, run, record.counters, history, record.doubts)
+    table = measures(snapshot, scene, ledger, run, record.counters, history, record.doubts)
     return dict(finite(table))
 
 
@@ -237,6 +240,7 @@ def _ledger_error(history: Mapping[str, NDArray[np.float64]]) -> NDArray[np.floa
     return np.asarray(np.abs(history["error"]) / history["initial"][0])
 
 
+@UNWARNED
 def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     """Draw crater.png (slice panels of the last snapshot) and history.png. Returns the files."""
     folder = RunFolder.open(path)
@@ -280,6 +284,7 @@ def group_of(surface: Surface | None, scene: Scene) -> Group | None:
     return measure_group(surface, hits, swarms[0].distance)
 
 
+@UNWARNED
 def surface_of_run(path: str | Path) -> Surface | None:
     """The target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
     folder = RunFolder.open(path)
@@ -287,6 +292,7 @@ def surface_of_run(path: str | Path) -> Surface | None:
     return _surface(_field(_in_the_grid(folder.last_snapshot(), scene), scene))
 
 
+@UNWARNED
 def plot_process(path: str | Path) -> Figure:
     """Stress and pressure in the last four snapshots of a run folder."""
     folder = RunFolder.open(path)

@@ -128,7 +128,7 @@ def test_the_memory_and_the_disk_are_as_forecast(points, precision, tmp_path):
     short = ("end_time='1 ns'", "output.snapshots='0.3 ns'", f"numerics.precision={precision}")
     scene = bench_scene(points, short)
     scene.save(tmp_path / "scene.toml")
-    words = ["run", tmp_path / "scene.toml", "-o", tmp_path / "run", "--quiet", "--threads", "1"]
+    words = ["run", tmp_path / "scene.toml", "-o", tmp_path / "run", "--quiet", "--coarse", "--threads", "1"]
     command = [sys.executable, "-c", PEAK, sys.executable, "-m", "pockmark", *map(str, words)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=True)
     peak = int(done.stdout.split()[-1])
