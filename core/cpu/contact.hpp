@@ -30,17 +30,28 @@ class Contact {
         add_reach<Shape>(points, grid.geometry, run, [&](std::size_t node) { return at(node); }, volume);
       });
     });
-    for (Meeting<T>& meeting : meetings_) meeting.allow_closing(dt);
+    for (Meeting<T>& m : meetings_) {
+      m.allow_closing(dt);
+      m.approach = dot(relative(m, grid.before), m.normal);
+    }
   }
 
   // Takes the approach of touching bodies out of a nodal velocity. The points keep theirs.
   void fit(const Grid<T>& grid, Array<Quad<T>>& velocity) {
-    for (Meeting<T>& meeting : meetings_) meeting.twice_fitted += exchange(grid, meeting, velocity, T(0));
+    for (Meeting<T>& m : meetings_) {
+      const T approach = dot(relative(m, velocity), m.normal);
+      m.twice_fitted += exchange(grid, m, velocity, m.beyond_closing(approach), T(0));
+    }
   }
 
   // Changes the velocities after the forces acted: no approach, and friction.
   void press(Grid<T>& grid) {
-    for (Meeting<T>& meeting : meetings_) meeting.impulse = exchange(grid, meeting, grid.after, friction_);
+    for (Meeting<T>& m : meetings_) {
+      const T approach = dot(relative(m, grid.after), m.normal), beyond = m.beyond_closing(approach);
+      m.impulse = beyond > T(0)
+                      ? exchange(grid, m, grid.after, m.share_in_contact(approach) * beyond, friction_)
+                      : Vec3<T>{};
+    }
   }
 
   // Kinetic energy (J) that the last step took from the points and paid no stress with: `final` is the
@@ -48,11 +59,8 @@ class Contact {
   double taken(const Grid<T>& grid, const Array<Quad<T>>& final) const {
     double sum = 0;
     for (const Meeting<T>& m : meetings_) {
-      const auto relative = [&](const Array<Quad<T>>& velocity) {
-        return velocity[m.node].vector() - velocity[second_ + m.node].vector();
-      };
-      const auto before = relative(grid.before), change = relative(grid.after) - before;
-      sum += 0.5 * double(dot(m.impulse, before + relative(final)) - dot(m.twice_fitted, change));
+      const auto before = relative(m, grid.before), change = relative(m, grid.after) - before;
+      sum += 0.5 * double(dot(m.impulse, before + relative(m, final)) - dot(m.twice_fitted, change));
     }
     return sum;
   }
@@ -109,12 +117,19 @@ class Contact {
     });
   }
 
-  // Returns the impulse of the first body on the second.
-  Vec3<T> exchange(const Grid<T>& grid, const Meeting<T>& m, Array<Quad<T>>& velocity, T friction) const {
-    Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
+  // The first body's velocity less the second's.
+  Vec3<T> relative(const Meeting<T>& m, const Array<Quad<T>>& velocity) const {
+    return velocity[m.node].vector() - velocity[second_ + m.node].vector();
+  }
+
+  // Takes `stop` (m/s) from the approach. Returns the impulse of the first body on the second.
+  Vec3<T> exchange(const Grid<T>& grid, const Meeting<T>& m, Array<Quad<T>>& velocity, T stop,
+                   T friction) const {
+    if (!(stop > T(0))) return {};
     const T first_mass = grid.mass(m.node), second_mass = grid.mass(second_ + m.node);
     const auto impulse =
-        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, m.closing, friction);
+        contact_impulse(relative(m, velocity), first_mass, second_mass, m.normal, stop, friction);
+    Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
     first.set_vector(first.vector() - (T(1) / first_mass) * impulse);
     second.set_vector(second.vector() + (T(1) / second_mass) * impulse);
     return impulse;
