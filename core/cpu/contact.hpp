@@ -25,11 +25,14 @@ class Contact {
     find_meetings(grid, tiles, threads);
     if (meetings_.empty()) return;
     orient<Shape>(points, grid, tiles, threads, volume);
+    const std::size_t count = meetings_.size();
+    if (Shape::support > 2) add_images(grid.geometry);
     tiles.scatter(threads, [&](int, const Block& block) {
       for_each_run(block, [&](const Run& run) {
         add_reach<Shape>(points, grid.geometry, run, [&](std::size_t node) { return at(node); }, volume);
       });
     });
+    take_back_images(count);
     for (Meeting<T>& m : meetings_) {
       m.allow_closing(dt);
       m.approach = dot(relative(m, grid.before), m.normal);
@@ -117,6 +120,37 @@ class Contact {
     });
   }
 
+  // Adds the images of meetings one node inside a mirror: what reaches an image is the image of what reaches
+  // the node. An image may have one, too, where mirrors cross.
+  void add_images(const GridGeometry<T>& grid) {
+    const std::size_t stride[3] = {grid.index(1, 0, 0), grid.index(0, 1, 0), 1};
+    for (int face = 0; face < 6; ++face) {
+      if (!is_mirror(mirrors_[face])) continue;
+      const int axis = face / 2, inside = face % 2 ? grid.pad + grid.cells[axis] - 1 : grid.pad + 1;
+      const std::size_t count = meetings_.size();
+      for (std::size_t i = 0; i < count; ++i) {
+        Meeting<T> image{.node = meetings_[i].node, .normal = meetings_[i].normal};
+        int ijk[3];
+        grid.split(image.node, ijk);
+        if (ijk[axis] != inside) continue;
+        face % 2 ? image.node += 2 * stride[axis] : image.node -= 2 * stride[axis];
+        image.normal[axis] = -image.normal[axis];
+        slot_[image.node] = std::uint32_t(meetings_.size());
+        meetings_.push_back(image), image_of_.push_back(i);
+      }
+    }
+  }
+  // Folds what reaches the images, those after the first `count` meetings, and forgets them.
+  void take_back_images(std::size_t count) {
+    for (; meetings_.size() > count; meetings_.pop_back(), image_of_.pop_back()) {
+      const Meeting<T>& image = meetings_.back();
+      Meeting<T>& original = meetings_[image_of_.back()];
+      for (int side = 0; side < 2; ++side)
+        original.reach[side] = max(original.reach[side], image.reach[side]);
+      slot_[image.node] = none;
+    }
+  }
+
   // The first body's velocity less the second's.
   Vec3<T> relative(const Meeting<T>& m, const Array<Quad<T>>& velocity) const {
     return velocity[m.node].vector() - velocity[second_ + m.node].vector();
@@ -139,6 +173,7 @@ class Contact {
   T friction_;
   Faces mirrors_;
   std::vector<Meeting<T>> meetings_;
+  std::vector<std::size_t> image_of_;  // of each image at the end of meetings_, while there are some
   std::vector<std::uint32_t> slot_;              // of each node, where meetings_ has it
   std::vector<std::vector<std::size_t>> found_;  // of each tile
 };
