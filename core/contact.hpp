@@ -16,7 +16,8 @@ struct Meeting {
   Vec3<T> normal{};  // out of the first body (18)
   // How far (m) each body reaches beyond the node: the first along the normal, the second against it.
   T reach[2] = {std::numeric_limits<T>::lowest() / 4, std::numeric_limits<T>::lowest() / 4};
-  T closing{};  // approach (m/s) that closes the gap between them by the end of the step (19)
+  T closing{};   // approach (m/s) that closes the gap between them by the end of the step (19)
+  T approach{};  // of the velocities that the points bring along
   // Impulses of the first body on the second (kg m/s): what the points feel, and twice the mean of what makes
   // the nodal velocities that strain and move them compatible (20).
   Vec3<T> impulse{}, twice_fitted{};
@@ -24,6 +25,9 @@ struct Meeting {
   // Judges contact by where the bodies will be. No sign of a gap decides anything: an impulse goes to zero with
   // what it hinders.
   PM_HD void allow_closing(T dt) { closing = max(-(reach[0] + reach[1]), T(0)) / dt; }
+  PM_HD T beyond_closing(T now) const { return max(now - closing, T(0)); }
+  // The share of the step that is left once the gap has closed.
+  PM_HD T share_in_contact(T now) const { return T(1) - closing / max(now, max(approach, closing)); }
 };
 
 template <class T>
@@ -61,18 +65,15 @@ PM_HD Vec3<T> contact_normal(const Quad<T>& first, const Quad<T>& second) {
   return unit(own - within * second.vector());
 }
 
-// Ends the bodies' approach beyond `closing` and, with no more than `friction` times that impulse, their
+// Takes `stop` (m/s) from the bodies' approach and, with no more than `friction` times that impulse, ends their
 // sliding (20).
 template <class T>
-PM_HD Vec3<T> contact_impulse(const Vec3<T>& first, const Vec3<T>& second, T first_mass, T second_mass,
-                              const Vec3<T>& normal, T closing, T friction) {
-  const Vec3<T> relative = first - second;
-  const T approach = dot(relative, normal), excess = approach - closing;
-  if (!(excess > T(0))) return {};
-  const Vec3<T> sliding = relative - approach * normal;
-  const T speed = root(dot(sliding, sliding)), most = friction * excess;
+PM_HD Vec3<T> contact_impulse(const Vec3<T>& relative, T first_mass, T second_mass, const Vec3<T>& normal,
+                              T stop, T friction) {
+  const Vec3<T> sliding = relative - dot(relative, normal) * normal;
+  const T speed = root(dot(sliding, sliding)), most = friction * stop;
   const T reduced_mass = first_mass * (second_mass / (first_mass + second_mass));
-  return reduced_mass * (excess * normal + (speed > most ? most / speed : T(1)) * sliding);
+  return reduced_mass * (stop * normal + (speed > most ? most / speed : T(1)) * sliding);
 }
 
 // Extends the reach of a run's body at the nodes where it meets another (19). `at(node)` is the meeting at a

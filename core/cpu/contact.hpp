@@ -25,22 +25,36 @@ class Contact {
     find_meetings(grid, tiles, threads);
     if (meetings_.empty()) return;
     orient<Shape>(points, grid, tiles, threads, volume);
+    const std::size_t count = meetings_.size();
+    if (Shape::support > 2) add_images(grid.geometry);
     tiles.scatter(threads, [&](int, const Block& block) {
       for_each_run(block, [&](const Run& run) {
         add_reach<Shape>(points, grid.geometry, run, [&](std::size_t node) { return at(node); }, volume);
       });
     });
-    for (Meeting<T>& meeting : meetings_) meeting.allow_closing(dt);
+    take_back_images(count);
+    for (Meeting<T>& m : meetings_) {
+      m.allow_closing(dt);
+      m.approach = dot(relative(m, grid.before), m.normal);
+    }
   }
 
   // Takes the approach of touching bodies out of a nodal velocity. The points keep theirs.
   void fit(const Grid<T>& grid, Array<Quad<T>>& velocity) {
-    for (Meeting<T>& meeting : meetings_) meeting.twice_fitted += exchange(grid, meeting, velocity, T(0));
+    for (Meeting<T>& m : meetings_) {
+      const T approach = dot(relative(m, velocity), m.normal);
+      m.twice_fitted += exchange(grid, m, velocity, m.beyond_closing(approach), T(0));
+    }
   }
 
   // Changes the velocities after the forces acted: no approach, and friction.
   void press(Grid<T>& grid) {
-    for (Meeting<T>& meeting : meetings_) meeting.impulse = exchange(grid, meeting, grid.after, friction_);
+    for (Meeting<T>& m : meetings_) {
+      const T approach = dot(relative(m, grid.after), m.normal), beyond = m.beyond_closing(approach);
+      m.impulse = beyond > T(0)
+                      ? exchange(grid, m, grid.after, m.share_in_contact(approach) * beyond, friction_)
+                      : Vec3<T>{};
+    }
   }
 
   // Kinetic energy (J) that the last step took from the points and paid no stress with: `final` is the
@@ -48,11 +62,8 @@ class Contact {
   double taken(const Grid<T>& grid, const Array<Quad<T>>& final) const {
     double sum = 0;
     for (const Meeting<T>& m : meetings_) {
-      const auto relative = [&](const Array<Quad<T>>& velocity) {
-        return velocity[m.node].vector() - velocity[second_ + m.node].vector();
-      };
-      const auto before = relative(grid.before), change = relative(grid.after) - before;
-      sum += 0.5 * double(dot(m.impulse, before + relative(final)) - dot(m.twice_fitted, change));
+      const auto before = relative(m, grid.before), change = relative(m, grid.after) - before;
+      sum += 0.5 * double(dot(m.impulse, before + relative(m, final)) - dot(m.twice_fitted, change));
     }
     return sum;
   }
@@ -109,12 +120,50 @@ class Contact {
     });
   }
 
-  // Returns the impulse of the first body on the second.
-  Vec3<T> exchange(const Grid<T>& grid, const Meeting<T>& m, Array<Quad<T>>& velocity, T friction) const {
-    Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
+  // Adds the images of meetings one node inside a mirror: what reaches an image is the image of what reaches
+  // the node. An image may have one, too, where mirrors cross.
+  void add_images(const GridGeometry<T>& grid) {
+    const std::size_t stride[3] = {grid.index(1, 0, 0), grid.index(0, 1, 0), 1};
+    for (int face = 0; face < 6; ++face) {
+      if (!is_mirror(mirrors_[face])) continue;
+      const int axis = face / 2, inside = face % 2 ? grid.pad + grid.cells[axis] - 1 : grid.pad + 1;
+      const std::size_t count = meetings_.size();
+      for (std::size_t i = 0; i < count; ++i) {
+        Meeting<T> image{.node = meetings_[i].node, .normal = meetings_[i].normal};
+        int ijk[3];
+        grid.split(image.node, ijk);
+        if (ijk[axis] != inside) continue;
+        face % 2 ? image.node += 2 * stride[axis] : image.node -= 2 * stride[axis];
+        image.normal[axis] = -image.normal[axis];
+        slot_[image.node] = std::uint32_t(meetings_.size());
+        meetings_.push_back(image), image_of_.push_back(i);
+      }
+    }
+  }
+  // Folds what reaches the images, those after the first `count` meetings, and forgets them.
+  void take_back_images(std::size_t count) {
+    for (; meetings_.size() > count; meetings_.pop_back(), image_of_.pop_back()) {
+      const Meeting<T>& image = meetings_.back();
+      Meeting<T>& original = meetings_[image_of_.back()];
+      for (int side = 0; side < 2; ++side)
+        original.reach[side] = max(original.reach[side], image.reach[side]);
+      slot_[image.node] = none;
+    }
+  }
+
+  // The first body's velocity less the second's.
+  Vec3<T> relative(const Meeting<T>& m, const Array<Quad<T>>& velocity) const {
+    return velocity[m.node].vector() - velocity[second_ + m.node].vector();
+  }
+
+  // Takes `stop` (m/s) from the approach. Returns the impulse of the first body on the second.
+  Vec3<T> exchange(const Grid<T>& grid, const Meeting<T>& m, Array<Quad<T>>& velocity, T stop,
+                   T friction) const {
+    if (!(stop > T(0))) return {};
     const T first_mass = grid.mass(m.node), second_mass = grid.mass(second_ + m.node);
     const auto impulse =
-        contact_impulse(first.vector(), second.vector(), first_mass, second_mass, m.normal, m.closing, friction);
+        contact_impulse(relative(m, velocity), first_mass, second_mass, m.normal, stop, friction);
+    Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
     first.set_vector(first.vector() - (T(1) / first_mass) * impulse);
     second.set_vector(second.vector() + (T(1) / second_mass) * impulse);
     return impulse;
@@ -124,6 +173,7 @@ class Contact {
   T friction_;
   Faces mirrors_;
   std::vector<Meeting<T>> meetings_;
+  std::vector<std::size_t> image_of_;  // of each image at the end of meetings_, while there are some
   std::vector<std::uint32_t> slot_;              // of each node, where meetings_ has it
   std::vector<std::vector<std::size_t>> found_;  // of each tile
 };
