@@ -22,8 +22,8 @@ struct Meeting {
   // the nodal velocities that strain and move them compatible (20).
   Vec3<T> impulse{}, twice_fitted{};
 
-  // Judges contact by where the bodies will be. No sign of a gap decides anything: an impulse goes to zero with
-  // what it hinders.
+  // Judges contact by where the bodies will be. No sign of a gap decides anything: an impulse goes to zero
+  // with what it hinders.
   PM_HD void allow_closing(T dt) { closing = max(-(reach[0] + reach[1]), T(0)) / dt; }
   PM_HD T beyond_closing(T now) const { return max(now - closing, T(0)); }
   // The share of the step that is left once the gap has closed.
@@ -36,8 +36,8 @@ PM_HD Vec3<T> unit(const Vec3<T>& a) {
   return length > T(0) ? (T(1) / length) * a : Vec3<T>{};
 }
 
-// Adds to the nodes, for each point of a run, its volume times the slope of their shape function (m^2 times the
-// cell) and, as the fourth number, times the function.
+// Adds to the nodes, for each point of a run, its volume times the slope of their shape function (m^2 times
+// the cell) and, as the fourth number, times the function.
 template <class Shape, class T, class Volume>
 void add_surface(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
                  Array<Quad<T>>& nodes, Volume&& volume) {
@@ -48,16 +48,16 @@ void add_surface(const Particles<T>& points, const GridGeometry<T>& grid, const 
     const T v = T(volume(p));
     Patch<Shape, T>::for_each([&](int i, int j, int k) {
       add_scaled(patch.at[i][j][k], v,
-                 Quad<T>{{g[0][i] * w[1][j] * w[2][k], w[0][i] * g[1][j] * w[2][k], w[0][i] * w[1][j] * g[2][k],
-                          n.weight(i, j, k)}});
+                 Quad<T>{{g[0][i] * w[1][j] * w[2][k], w[0][i] * g[1][j] * w[2][k],
+                          w[0][i] * w[1][j] * g[2][k], n.weight(i, j, k)}});
     });
   }
   patch.add_to(grid, run, nodes);
 }
 
-// The first body's outward normal (18), from what add_surface() found of each. The second body's surface helps
-// where a node lies within the first: there the first's own gradient is the small difference of what lies on
-// both sides, and may point the wrong way.
+// The first body's outward normal (18), from what add_surface() found of each. The second body's surface
+// helps where a node lies within the first: there the first's own gradient is the small difference of what
+// lies on both sides, and may point the wrong way.
 template <class T>
 PM_HD Vec3<T> contact_normal(const Quad<T>& first, const Quad<T>& second) {
   const Vec3<T> own = first.vector();
@@ -65,8 +65,8 @@ PM_HD Vec3<T> contact_normal(const Quad<T>& first, const Quad<T>& second) {
   return unit(own - within * second.vector());
 }
 
-// Takes `stop` (m/s) from the bodies' approach and, with no more than `friction` times that impulse, ends their
-// sliding (20).
+// Takes `stop` (m/s) from the bodies' approach and, with no more than `friction` times that impulse, ends
+// their sliding (20).
 template <class T>
 PM_HD Vec3<T> contact_impulse(const Vec3<T>& relative, T first_mass, T second_mass, const Vec3<T>& normal,
                               T stop, T friction) {

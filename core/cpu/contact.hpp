@@ -96,9 +96,8 @@ class Contact {
     bool any = false;
     for_each_run(block, [&](const Run& run) {
       const std::size_t node = run.node - grid.field_of(run.node);
-      Patch<Shape, T>::for_each([&](int i, int j, int k) {
-        any = any || slot_[node + grid.index(i, j, k)] != none;
-      });
+      Patch<Shape, T>::for_each(
+          [&](int i, int j, int k) { any = any || slot_[node + grid.index(i, j, k)] != none; });
     });
     return any;
   }
@@ -174,7 +173,7 @@ class Contact {
   Faces mirrors_;
   std::vector<Meeting<T>> meetings_;
   std::vector<std::size_t> image_of_;  // of each image at the end of meetings_, while there are some
-  std::vector<std::uint32_t> slot_;              // of each node, where meetings_ has it
+  std::vector<std::uint32_t> slot_;    // of each node, where meetings_ has it
   std::vector<std::vector<std::size_t>> found_;  // of each tile
 };
 

@@ -2,7 +2,19 @@
 
 import numpy as np
 import pytest
-from builders import FIXED, FREE, SYMMETRY, by_id, core, elastic, lattice, options
+from builders import (
+    FIXED,
+    FREE,
+    RHO,
+    SYMMETRY,
+    aluminium,
+    by_id,
+    core,
+    elastic,
+    lattice,
+    material,
+    options,
+)
 
 from pockmark.bench import bench_scene
 from pockmark.simulation import Simulation
@@ -73,8 +85,8 @@ def test_equal_bars_exchange_velocities_the_better_the_finer():
         lost.append(1 - right)
         assert abs(error) < 1e-13
     assert lost[0] < 0.12
-    assert lost[1] < 0.65 * lost[0]  # first order
-    assert lost[2] < 0.65 * lost[1]
+    assert lost[1] < 0.07
+    assert lost[2] < 0.65**2 * lost[0]  # what is left is vibration: a front in a grid is h^(2/3) wide
 
 
 @pytest.mark.parametrize("scheme", ["usf", "musl"])
@@ -233,3 +245,79 @@ def test_an_impact_without_friction_loses_next_to_nothing_to_contact():
         print(f"{points} points: contact took {share:.4f} of the energy")
         assert abs(ledger["error"]) < 1e-12 * ledger["initial"]
         assert 0 <= share < 0.02
+
+
+# ---- when contact begins -------------------------------------------------------------------------
+
+CELL = 2e-6
+
+
+def falling(speed, gap, *, single=False, shape="trilinear", scheme="usavg", cfl=0.5, ice=False):
+    """A block of aluminium, or of ice as a fluid, comes down on aluminium, `gap` cells below it; exactly one-dimensional."""
+    soft = material(core.MieGruneisen(917.0, 2500.0, 1.5, 1.0), core.Fluid(), q=(1.5, 0.06))
+    s = (core.SolverSingle if single else core.Solver)(
+        lower=(0.0, 0.0, 0.0),
+        cell=CELL,
+        cells=(2, 2, 60),
+        faces=[SYMMETRY] * 4 + [FREE, FREE],
+        materials=[aluminium(), soft if ice else aluminium()],
+        options=options(scheme, shape, cfl=cfl),
+        threads=1,
+    )
+    s.set_contact([0, 1], 0.0)
+    volume = (CELL / 2) ** 3
+    layers = ((0.0, 40, 0.0, RHO), ((20 + gap) * CELL, 30, -speed, 917.0 if ice else RHO))
+    for body, (bottom, count, v, density) in enumerate(layers):
+        x = lattice((0, 0, bottom), (4, 4, count), CELL / 2)
+        n = len(x)
+        s.add_points(
+            position=x,
+            velocity=np.tile([0.0, 0.0, v], (n, 1)),
+            mass=np.full(n, density * volume),
+            volume=np.full(n, volume),
+            body=np.full(n, body, dtype=np.uint8),
+        )
+    s.initialize()
+    return s
+
+
+def overlap(s):
+    """How far the blocks lie within each other, in cells. The points are squeezed along z only, so their thickness is known."""
+    z, second = s.field("position")[:, 2], s.field("body") == 1
+    half = s.field("volume") / (CELL / 2) ** 2 / 2
+    return ((z + half)[~second].max() - (z - half)[second].min()) / CELL
+
+
+@pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
+@pytest.mark.parametrize("ice", [False, True], ids=["aluminium", "ice"])
+@pytest.mark.parametrize("speed", [500.0, 2000.0, 10000.0, 15000.0])
+def test_nothing_comes_within_the_other_body(speed, ice, shape):
+    """However the steps fall on the moment of touch: 0.05 cells at most, which bounds how late contact can be, too."""
+    deepest = 0.0
+    for gap in (0.0, 0.1, 0.35, 0.5, 0.7):
+        s = falling(speed, gap, ice=ice, shape=shape)
+        while s.time < (gap + 3) * CELL / speed:
+            s.advance(1, 1.0)
+            deepest = max(deepest, overlap(s))
+    print(f"{speed:g} m/s, {'ice' if ice else 'aluminium'}, {shape}: {deepest:+.3f} cells within")
+    assert deepest < 0.05
+
+
+@pytest.mark.parametrize("scheme", ["usavg", "usf", "musl"])
+@pytest.mark.parametrize("single", [False, True], ids=["fp64", "fp32"])
+def test_no_last_bit_decides_when_contact_begins(scheme, single):
+    """Surfaces that coincide, or are apart or within by a billionth of a cell; single precision as double."""
+    speeds = []
+    for gap in (0.0, 1e-9, -1e-9):
+        s = falling(2000.0, gap, scheme=scheme)
+        s.advance(40, 1.0)
+        speeds.append(by_id(s, "velocity")[:, 2])
+    other = falling(2000.0, 0.0, scheme=scheme, single=single)
+    other.advance(40, 1.0)
+    speeds.append(by_id(other, "velocity")[:, 2])
+    worst = [np.abs(v - speeds[0]).max() / 2000.0 for v in speeds[1:]]
+    print(
+        f"{scheme}: by a billionth of a cell {max(worst[:2]):.1e}, {'single' if single else 'the same'} {worst[2]:.1e}"
+    )
+    assert max(worst[:2]) < 1e-7
+    assert worst[2] < (1e-3 if single else 1e-15)

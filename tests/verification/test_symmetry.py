@@ -156,20 +156,7 @@ def test_turned(scheme, shape, contact, degrees):
         told(f"turned {axes}", way, difference(base, run(axes, (1, 1, 1), way, degrees=degrees)), base[2])
 
 
-DIVIDED = [
-    pytest.param(
-        *way,
-        marks=pytest.mark.xfail(
-            strict=True, reason="contact with quadratic functions decides on the last bit somewhere"
-        )
-        if way == ("usavg", "quadratic", True)
-        else (),
-    )
-    for way in SCHEMES
-]
-
-
-@pytest.mark.parametrize(("scheme", "shape", "contact"), DIVIDED)
+@WAYS
 def test_divided(scheme, shape, contact):
     """A quarter and a half have the points of the whole; an oblique half too."""
     way = (scheme, shape, contact)
