@@ -19,7 +19,7 @@ enum class Counter {
   node_cutoffs,          // nodes lighter than the cut-off: force scaled down
   strain_limited_steps,  // steps set by the strain increment, not by the fastest wave
   // States that no material can be in: steps of a point.
-  negative_energies,      // less internal energy than at rest, by more than a hundredth of its heat there
+  negative_energies,      // less internal energy than at rest, by more than a thousandth of its heat there
   negative_volumes,       // V <= 0
   negative_temperatures,  // T < 0 K
 };

@@ -48,7 +48,7 @@ struct MaterialSpec {
     m.t_room = T(t_room), m.t_melt = T(t_melt);
     m.q_quadratic = T(q_quadratic), m.q_linear = T(q_linear);
     m.specific_volume = T(1) / m.density();
-    m.least_energy = T(-0.01) * m.density() * m.specific_heat * m.t_room;
+    m.least_energy = T(-0.001) * m.density() * m.specific_heat * m.t_room;
     return m;
   }
 };

@@ -10,7 +10,7 @@ COUNTERS = {
     "return_failures": "steps of a point whose return to the yield surface did not converge: a numerical fault",
     "node_cutoffs": "steps of a node lighter than numerics.mass_cutoff, whose force was scaled down",
     "strain_limited_steps": "steps set by numerics.strain_limit, not by the fastest wave",
-    "negative_energies": "steps of a point with less internal energy than at rest, by a hundredth of its heat: impossible",
+    "negative_energies": "steps of a point with less internal energy than at rest, by a thousandth of its heat: impossible",
     "negative_volumes": "steps of a point without volume: impossible",
     "negative_temperatures": "steps of a point below 0 K: impossible",
 }

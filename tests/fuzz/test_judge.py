@@ -143,5 +143,5 @@ def test_an_impossible_history_is_seen(scene, error, densest, seen):
     ],
 )
 def test_an_impossible_result_is_seen(scene, residual, depth, seen):
-    result = {"energy": {"residual_internal": residual}, "crater": {"depth": depth}}
+    result = {"energy": {"residual_internal": residual}, "crater": {"depth": depth}, "warnings": []}
     assert kinds(physics.impossible_result(scene, result)) == seen
