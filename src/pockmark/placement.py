@@ -29,7 +29,7 @@ def require_few(number: float) -> None:
 def on_lattice(lower: Sequence[float], upper: Sequence[float], pitch: float) -> list[Place]:
     """Centres (m) of the squares of side `pitch` that fit into the patch, x first. Raises ValueError if they are too many."""
     sides = [(u - w) / pitch + 1e-9 for w, u in zip(lower, upper, strict=True)]
-    require_few(math.prod(np.floor(sides)))
+    require_few(math.prod(float(n) for n in np.floor(sides)))
     x, y = (w + (np.arange(int(n)) + 0.5) * pitch for w, n in zip(lower, sides, strict=True))
     return [(float(a), float(b)) for b in y for a in x]
 

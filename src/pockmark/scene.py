@@ -18,7 +18,7 @@ from .materials import Material, Model, complete
 from .overrides import override
 from .sentences import faults
 from .toml import read_toml, to_toml
-from .units import Angle, Length, Number, Speed, Time
+from .units import Angle, Length, Number, Speed, Time, quantity
 
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
@@ -163,7 +163,7 @@ class Scene(Model):
     """One run, complete: a scene saved and loaded again is the same object and gives the same run."""
 
     title: str = ""
-    end_time: Annotated[Time, Field(gt=0)]
+    end_time: Annotated[float, quantity("s", 1e-18, 1e4)]
     grid: Grid
     boundary: Boundary = Boundary()
     impact: Impact

@@ -106,9 +106,9 @@ def quantity(unit: str, low: float = -math.inf, high: float = math.inf) -> Befor
     return BeforeValidator(lambda value: to_si(value, unit, low, high))
 
 
-Length = Annotated[float, quantity("m")]
+Length = Annotated[float, quantity("m", -1e4, 1e4)]
 Speed = Annotated[float, quantity("m/s", 0.0, 1e6)]  # meteoroids have up to 72 km/s
 Angle = Annotated[float, quantity("rad")]
-Time = Annotated[float, quantity("s")]
+Time = Annotated[float, quantity("s", -1e4, 1e4)]
 Number = Annotated[float, quantity("")]
-ArealDensity = Annotated[float, quantity("kg/m^2")]
+ArealDensity = Annotated[float, quantity("kg/m^2", 0.0, 1e6)]

@@ -76,6 +76,20 @@ def controls(text: str, allowed: str = "") -> str:
     )
 
 
+MAY_BE_ZERO = (
+    ".lower",
+    ".upper",
+    ".center",
+    ".gap",
+    ".height",
+    ".speed",
+    ".angle",
+    ".azimuth",
+    ".friction",
+    ".taylor_quinney",
+)
+
+
 def absurd(table: Mapping[str, Any], key: str = "") -> Iterator[str]:
     """Yield a fault for each number of an accepted scene that no physics has."""
     for name, value in table.items():
@@ -87,8 +101,8 @@ def _absurd(value: Any, key: str) -> Iterable[str]:
         return absurd(value, key)
     if isinstance(value, list):
         return (fault for item in value for fault in _absurd(item, key))
-    # A corner may lie as near to zero as it likes.
-    least = 0.0 if key.endswith((".lower", ".upper", ".center")) else SMALLEST
+    # What may be zero may be as near to it as it likes.
+    least = 0.0 if key.endswith(MAY_BE_ZERO) else SMALLEST
     if isinstance(value, float) and value and not least < abs(value) < LARGEST:
         return [f"absurd value: {key} = {value:g}"]
     return []
