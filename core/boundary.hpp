@@ -82,9 +82,11 @@ struct Damper {
 class Anchorage {
  public:
   // `flies`: the bodies that are no part of the target.
+  void let_fly(std::vector<std::uint8_t> flies) { flies_ = std::move(flies); }
+  // Holds every cell until the first renewal. Bodies of which nothing was said are the target's.
   template <class T>
-  void begin(const GridGeometry<T>& grid, std::vector<std::uint8_t> flies) {
-    flies_ = std::move(flies);
+  void begin(const GridGeometry<T>& grid, std::size_t bodies) {
+    flies_.resize(bodies);
     held_.assign(grid.node_count(), 1), filled_.assign(grid.node_count(), 0);
   }
   bool flies(std::uint8_t body) const { return flies_[body] != 0; }

@@ -99,7 +99,7 @@ class Solver {
   // Names the bodies that are no part of the target: transmitting faces let them pass. Before initialize().
   void let_fly(std::vector<std::uint8_t> flies) {
     if (flies.size() != materials_.size()) throw std::invalid_argument("let_fly: a number a body is needed");
-    flies_ = std::move(flies);
+    anchorage_.let_fly(std::move(flies));
   }
 
   // Puts a point, whose body is known, at x (m). Called once for each point, before initialize().
@@ -133,8 +133,7 @@ class Solver {
 
   void initialize() {
     live_ = points_.size();
-    flies_.resize(materials_.size());
-    anchorage_.begin(grid_.geometry, flies_);
+    anchorage_.begin(grid_.geometry, materials_.size());
     for (const Exit& exit : outside_) account_for(exit);
     with_kernels([&]<class K>(K) { sort<K>(); });
     Vec3<T> least{}, most{};
@@ -626,7 +625,6 @@ class Solver {
   cpu::Tiles tiles_;
   cpu::Sorter<T> sorter_;
   std::optional<cpu::Contact<T>> contact_;
-  std::vector<std::uint8_t> flies_;      // of each body: whether transmitting faces let it pass
   std::vector<std::uint8_t> in_second_;  // of each body, with contact
   Timers timers_;
   std::vector<Audit> audits_;             // of each tile in the last stress update
