@@ -27,27 +27,23 @@ class Place(NamedTuple):
 
 
 class Doubts:
-    """A task that follows a run, every `interval` seconds: where its impossible states are, and its ledger error."""
+    """What is to be doubted of a run, noted with each row of its history: where its impossible states are, and its ledger error."""
 
-    exact = False
-
-    def __init__(self, interval: float) -> None:
-        """Begin with nothing to doubt; `interval` in seconds of simulated time."""
-        self.interval = interval
+    def __init__(self) -> None:
+        """Begin with nothing to doubt."""
         self._places: dict[str, Place] = {}
         self._error, self._when = 0.0, 0.0
         self._counted: dict[str, int] = {}
 
-    def act(self, simulation: Simulation) -> None:
-        """Look at the points, where a counter has grown, and at the ledger."""
-        counted = {name: simulation.counters()[name] for name in IMPOSSIBLE}
+    def note(self, simulation: Simulation, row: Mapping[str, float]) -> None:
+        """Look at a row of the history, and at the points where one of its counters has grown."""
+        counted = {name: int(row[name]) for name in IMPOSSIBLE}
         if counted != self._counted:
             for name, (points, lower, upper) in simulation.impossible().items():
                 if name not in self._places or points > self._places[name].points:
                     self._places[name] = Place(points, simulation.time, lower, upper)
         self._counted = counted
-        ledger = simulation.ledger()
-        error = abs(ledger["error"]) / ledger["initial"] if ledger["initial"] > 0 else 0.0
+        error = abs(row["error"]) / row["initial"] if row["initial"] > 0 else 0.0
         if not error <= self._error:  # nan counts
             self._error, self._when = error, simulation.time
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from . import cautions, results
 from .bodies import Block, Swarm
-from .doubts import Doubts, doubts
+from .doubts import doubts
 from .errors import PockmarkError
 from .files import replaced, told
 from .forecast import MIN_CELLS_ACROSS, cells_across, frame_warnings, is_too_coarse
@@ -57,12 +57,8 @@ def run_scene(
         stop_if_asked()  # before `force` replaces a run
         folder = RunFolder.create(path, scene, force=force)
         began = folder.manifest()
-        followed = Doubts(scene.output.history)
-        tasks: list[Task] = [
-            History(folder, scene.output.history),
-            Snapshots(folder, scene.output.snapshots),
-            followed,
-        ]
+        history = History(folder, scene.output.history)
+        tasks: list[Task] = [history, Snapshots(folder, scene.output.snapshots)]
         status = "failed"
         bar = ProgressBar(simulation) if progress else None
 
@@ -86,7 +82,9 @@ def run_scene(
             raise
         finally:
             try:
-                folder.write_manifest(began | _end(simulation, status) | {"doubts": followed.sentences()})
+                folder.write_manifest(
+                    began | _end(simulation, status) | {"doubts": history.doubts.sentences()}
+                )
             finally:
                 folder.release()
             if bar:

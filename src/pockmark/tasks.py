@@ -4,6 +4,7 @@ import time
 
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from .doubts import Doubts
 from .live import live_depth
 from .manifest import LEDGER
 from .simulation import LiveFields, Simulation
@@ -18,6 +19,7 @@ class History:
     def __init__(self, folder: RunFolder, interval: float) -> None:
         """`interval` in seconds of simulated time."""
         self.folder, self.interval = folder, interval
+        self.doubts = Doubts()
         self._written = -1.0
 
     def act(self, simulation: Simulation) -> None:
@@ -30,6 +32,7 @@ class History:
         row["depth"] = live_depth(simulation).depth
         row["max_compression"] = simulation.max_compression
         row |= {key: float(value) for key, value in simulation.counters().items()}
+        self.doubts.note(simulation, row)
         self.folder.append_history(row)
         self._written = simulation.time
 
