@@ -237,12 +237,16 @@ class Swarm(Balls):
 Body = Annotated[Block | Sphere | Swarm, Field(discriminator="shape")]
 
 
+def box_gap(a: Body, b: Body) -> float:
+    """Return the widest gap along an axis between the boxes of two bodies, m; below 0 where the boxes overlap."""
+    (al, au), (bl, bu) = a.box, b.box
+    return float(np.max(np.maximum(al, bl) - np.minimum(au, bu)))
+
+
 def overlap(a: Body, b: Body) -> bool:
     """Whether what the points of two bodies fill shares more than a surface."""
     if isinstance(a, Block) and isinstance(b, Block):
-        (al, au), (bl, bu) = a.box, b.box
-        gap = np.max(np.maximum(al, bl) - np.minimum(au, bu))
-        return bool(gap < -NOISE * max(a.spacing, b.spacing))
+        return box_gap(a, b) < -NOISE * max(a.spacing, b.spacing)
     if isinstance(b, Block):
         return overlap(b, a)
     places, reach = np.array(b.places), b.fit.length * (1 - NOISE)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .crater import FIT_RADIUS, Crater
+from .forecast import ENOUGH_CELLS_ACROSS
 from .hole import Hole
 from .results import misplaced
 from .scene import Mirror, Scene
@@ -14,7 +15,6 @@ from .surface import Surface
 from .wall import LEAST_LAYERS, Wall
 
 SETTLED = 0.02  # change of the depth in the last tenth of a run
-ENOUGH_CELLS = 10  # across the projectile's diameter
 ENOUGH_LAYERS = 4  # points through a wall
 
 
@@ -87,9 +87,9 @@ def of_crater(
 
 def of_resolution(wall: Wall | None, cells: float | None, change: float | None) -> Iterator[str]:
     """Where the points or the time are too few."""
-    if cells is not None and cells < ENOUGH_CELLS:
+    if cells is not None and cells < ENOUGH_CELLS_ACROSS:
         yield (
-            f"resolution: {cells:.3g} cells across the projectile, fewer than {ENOUGH_CELLS}: a finer grid gives "
+            f"resolution: {cells:.3g} cells across the projectile, fewer than {ENOUGH_CELLS_ACROSS}: a finer grid gives "
             "other measures"
         )
     if wall and LEAST_LAYERS <= wall.layers < ENOUGH_LAYERS - 0.5:

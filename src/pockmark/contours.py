@@ -18,6 +18,12 @@ class Moments:
     covariance: Array
 
 
+def open_at_edge(fraction: Array) -> bool:
+    """Return whether a slice (nx, ny) is below one half somewhere along its edge."""
+    edges = np.concatenate([fraction[0], fraction[-1], fraction[:, 0], fraction[:, -1]])
+    return bool(np.any(edges <= 0.5))
+
+
 def contour_area(fraction: Array) -> float:
     """Area (nodes^2) where a slice (nx, ny) is below one half; islands are taken off."""
     return abs(sum(map(_signed_area, _contours(fraction))))

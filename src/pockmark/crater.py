@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .contours import contour_area, largest_contour, polygon_moments
-from .ellipse import Ellipse, ellipse_of
+from .contours import contour_area, largest_contour, open_at_edge, polygon_moments
+from .ellipse import Ellipse, ellipse_of, with_area
 from .rim import Rim, crest_height, mean_crest, rim_of
 from .scene import Mirror
 from .surface import SIGMA, Surface, target_field
@@ -226,9 +226,8 @@ class Bowl:
         and direction are the mean of these slices: parallel sections of an ellipsoid are alike.
         """
         surface, top = self.of.surface, self.slice(self.slices - 1)
-        edges = np.concatenate([top[0], top[-1], top[:, 0], top[:, -1]])
         contour = largest_contour(top)
-        if np.any(edges <= 0.5) or contour is None:
+        if open_at_edge(top) or contour is None:
             return None
         steps = min(max(1, min(5, int(depth / surface.spacing))), self.slices)
         lines = [contour, *(largest_contour(self.slice(self.slices - 1 - n)) for n in range(1, steps))]
@@ -238,8 +237,7 @@ class Bowl:
             return None
         centre = _at_zero(np.array([m.centre for m in found]))
         shape = np.mean([m.covariance / m.area for m in found], axis=0)
-        # An ellipse's covariance has the determinant (area / 4 pi)^2; a region that is none keeps its area.
-        shape *= area / (4 * math.pi * math.sqrt(np.linalg.det(shape)))
+        shape = with_area(shape, area)
         step, corner = surface.spacing / 2, np.array([surface.x[0], surface.y[0]])
         ellipse = ellipse_of(corner + centre * step, shape * step**2)
         return Pithead(corner + contour * step, area * step**2, ellipse)

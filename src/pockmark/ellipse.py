@@ -38,6 +38,11 @@ class Ellipse:
         return 2 * ahead / self.major
 
 
+def with_area(covariance: Array, area: float) -> Array:
+    """Return a covariance (2, 2) scaled to the one of an ellipse with an area, whose determinant is (area / 4 pi)^2."""
+    return covariance * (area / (4 * math.pi * math.sqrt(np.linalg.det(covariance))))
+
+
 def ellipse_of(centre: Array, covariance: Array) -> Ellipse:
     """The ellipse with these moments: centre (2,) m, covariance (2, 2) m^2 of the places in it."""
     spread, axes = np.linalg.eigh(covariance)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .contours import Moments, largest_contour, polygon_moments
+from .contours import largest_contour, open_at_edge, polygon_moments
 from .crater import Bowl, Openings
-from .ellipse import Ellipse, ellipse_of
+from .ellipse import Ellipse, ellipse_of, with_area
 from .surface import Surface
 
 
@@ -43,17 +43,10 @@ def _neck(openings: Openings, number: int) -> tuple[int, Ellipse] | None:
     sections = []
     for k in range(bowl.slices):
         fraction = bowl.slice(k)
-        edges = np.concatenate([fraction[0], fraction[-1], fraction[:, 0], fraction[:, -1]])
         contour = largest_contour(fraction)
-        if np.any(edges <= 0.5) or contour is None:
+        if open_at_edge(fraction) or contour is None:
             return None
         corner = np.array([surface.x[0], surface.y[0]])
-        sections.append((k, _ellipse_of_area(polygon_moments(corner + contour * surface.spacing / 2))))
+        of = polygon_moments(corner + contour * surface.spacing / 2)
+        sections.append((k, ellipse_of(of.centre, with_area(of.covariance, of.area))))
     return min(sections, key=lambda section: section[1].minor, default=None)
-
-
-def _ellipse_of_area(of: Moments) -> Ellipse:
-    """The ellipse with an area, its centre of gravity, and the ratio of its second moments."""
-    return ellipse_of(
-        of.centre, of.covariance * of.area / (4 * math.pi * math.sqrt(np.linalg.det(of.covariance)))
-    )

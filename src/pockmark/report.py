@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rich.table import Table
-from rich.text import Text
 
 from .counters import COUNTERS
 from .modes import ROMAN
@@ -17,9 +16,9 @@ def report(result: Results) -> Table:
     """The table that `pockmark run` and `measure` print."""
     table = Table(show_header=False, title="Crater")
     for sentence in result["doubts"]:
-        table.add_row(Text("doubtful", style="bold red"), Text(sentence, style="bold red"))
+        table.add_row(literal("doubtful", "bold red"), literal(sentence, "bold red"))
     for sentence in result["warnings"]:
-        table.add_row(Text("warning", style="yellow"), Text(sentence, style="yellow"))
+        table.add_row(literal("warning", "yellow"), literal(sentence, "yellow"))
     table.add_section()
     for part in (_crater, _group, _ejecta, _energy, _run, _counted):
         for name, value in part(result):

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .bodies import Block, Body
+from .bodies import Block, Body, box_gap
 from .scene import FaceKind, Scene
 
 Corner = tuple[float, float, float]
@@ -70,8 +70,4 @@ def _is_at_zero(body: Body) -> bool:
 
 def _touch(a: Body, b: Body) -> bool:
     """Whether no gap of half a point spacing lies between the boxes of two bodies."""
-    (a_lower, a_upper), (b_lower, b_upper) = a.box, b.box
-    gap = max(
-        max(al, bl) - min(au, bu) for al, au, bl, bu in zip(a_lower, a_upper, b_lower, b_upper, strict=True)
-    )
-    return gap < max(a.spacing, b.spacing) / 2
+    return box_gap(a, b) < max(a.spacing, b.spacing) / 2
