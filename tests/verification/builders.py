@@ -42,33 +42,18 @@ def paper_eos():
 
 def perfectly_plastic(shear, yield_stress):
     """Johnson-Cook without hardening, rate or heat."""
-    return core.JohnsonCook(
-        shear_modulus=shear,
-        A=yield_stress,
-        B=0.0,
-        n=1.0,
-        C=0.0,
-        m=1.0,
-        reference_rate=1.0,
-        t_room=293.0,
-        t_melt=1e9,
-    )
+    return johnson_cook(shear_modulus=shear, A=yield_stress, B=0.0, n=1.0, C=0.0, t_melt=1e9)
+
+
+def johnson_cook(**changed):
+    """The paper's strength, with what is changed."""
+    paper = {"shear_modulus": SHEAR, "A": 265e6, "B": 426e6, "n": 0.34, "C": 0.015, "m": 1.0}
+    return core.JohnsonCook(**paper | {"reference_rate": 1.0, "t_room": 293.0, "t_melt": 775.0} | changed)
 
 
 def aluminium(failure=None):
     """Al 2024 of the paper; without failure unless one is given."""
-    strength = core.JohnsonCook(
-        shear_modulus=SHEAR,
-        A=265e6,
-        B=426e6,
-        n=0.34,
-        C=0.015,
-        m=1.0,
-        reference_rate=1.0,
-        t_room=293.0,
-        t_melt=775.0,
-    )
-    return material(paper_eos(), strength, failure=failure, q=(1.5, 0.06))
+    return material(paper_eos(), johnson_cook(), failure=failure, q=(1.5, 0.06))
 
 
 def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, lanes=None):
@@ -91,8 +76,24 @@ def lattice(lower, counts, pitch):
     return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def solver(lower, cell, cells, faces, materials, opts, bodies, *, threads=THREADS, single=False, flies=None):
-    """bodies: (position, velocity, volume of a point, density, index of the material); flies: of each material."""
+def solver(
+    lower,
+    cell,
+    cells,
+    faces,
+    materials,
+    opts,
+    bodies,
+    *,
+    threads=THREADS,
+    single=False,
+    flies=None,
+    friction=None,
+):
+    """bodies: (position, velocity, volume of a point, density, index of the material).
+
+    `flies`: of each material; `friction`: of the second material's contact with the first, None without contact.
+    """
     kind = core.SolverSingle if single else core.Solver
     out = kind(
         lower=tuple(float(x) for x in lower),
@@ -105,6 +106,8 @@ def solver(lower, cell, cells, faces, materials, opts, bodies, *, threads=THREAD
     )
     if flies:
         out.let_fly(flies)
+    if friction is not None:
+        out.set_contact([0, 1], friction)
     for position, velocity, volume, density, body in bodies:
         n = len(position)
         v = np.ascontiguousarray(np.broadcast_to(velocity, (n, 3)), dtype=float)

@@ -15,6 +15,7 @@ from builders import (
     material,
     options,
 )
+from builders import solver as build
 
 from pockmark.bench import bench_scene
 from pockmark.simulation import Simulation
@@ -255,30 +256,20 @@ CELL = 2e-6
 def falling(speed, gap, *, single=False, shape="trilinear", scheme="usavg", cfl=0.5, ice=False):
     """A block of aluminium, or of ice as a fluid, comes down on aluminium, `gap` cells below it; exactly one-dimensional."""
     soft = material(core.MieGruneisen(917.0, 2500.0, 1.5, 1.0), core.Fluid(), q=(1.5, 0.06))
-    s = (core.SolverSingle if single else core.Solver)(
-        lower=(0.0, 0.0, 0.0),
-        cell=CELL,
-        cells=(2, 2, 60),
-        faces=[SYMMETRY] * 4 + [FREE, FREE],
-        materials=[aluminium(), soft if ice else aluminium()],
-        options=options(scheme, shape, cfl=cfl),
-        threads=1,
-    )
-    s.set_contact([0, 1], 0.0)
     volume = (CELL / 2) ** 3
-    layers = ((0.0, 40, 0.0, RHO), ((20 + gap) * CELL, 30, -speed, 917.0 if ice else RHO))
-    for body, (bottom, count, v, density) in enumerate(layers):
-        x = lattice((0, 0, bottom), (4, 4, count), CELL / 2)
-        n = len(x)
-        s.add_points(
-            position=x,
-            velocity=np.tile([0.0, 0.0, v], (n, 1)),
-            mass=np.full(n, density * volume),
-            volume=np.full(n, volume),
-            body=np.full(n, body, dtype=np.uint8),
-        )
-    s.initialize()
-    return s
+    target = lattice((0, 0, 0), (4, 4, 40), CELL / 2)
+    block = lattice((0, 0, (20 + gap) * CELL), (4, 4, 30), CELL / 2)
+    return build(
+        (0, 0, 0),
+        CELL,
+        (2, 2, 60),
+        [SYMMETRY] * 4 + [FREE, FREE],
+        [aluminium(), soft if ice else aluminium()],
+        options(scheme, shape, cfl=cfl),
+        [(target, (0, 0, 0), volume, RHO, 0), (block, (0, 0, -speed), volume, 917.0 if ice else RHO, 1)],
+        single=single,
+        friction=0.0,
+    )
 
 
 def overlap(s):

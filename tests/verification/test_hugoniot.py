@@ -18,6 +18,7 @@ from builders import (
     SYMMETRY,
     S,
     by_id,
+    johnson_cook,
     lattice,
     material,
     options,
@@ -339,18 +340,7 @@ def test_hugoniot_of_the_papers_johnson_cook():
     """With hardening and rate there is no closed state, but momentum and mass still jump exactly."""
     v = 2200.0
     up = v / 2
-    strength = core.JohnsonCook(
-        shear_modulus=SHEAR,
-        A=265e6,
-        B=426e6,
-        n=0.34,
-        C=0.015,
-        m=1.0,
-        reference_rate=1.0,
-        t_room=293.0,
-        t_melt=775.0,
-    )
-    columns, _ = impact(strength, v, snapshots(TABLE[v][0], up), half=320, opts=options(**ACCURATE))
+    columns, _ = impact(johnson_cook(), v, snapshots(TABLE[v][0], up), half=320, opts=options(**ACCURATE))
     got = plateau(columns, TABLE[v][1] * 0.5e9, up)
     us = got.shock_speed
     print(

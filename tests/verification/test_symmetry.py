@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import FREE, RHO, SYMMETRY, TRANSMITTING, aluminium, core, lattice, options
+from builders import FREE, RHO, SYMMETRY, TRANSMITTING, aluminium, core, lattice, options, solver
 
 H = 4e-6
 STEPS = 60  # through impact, failure of points, several renewals of the faces' areas
@@ -68,31 +68,21 @@ def run(axes, signs, way, *, degrees=0.0, kept=(False, False)):
     for a in range(3):
         pair = faces[a] if signs[a] > 0 else faces[a][::-1]
         grid_faces[2 * axes[a]], grid_faces[2 * axes[a] + 1] = pair
-    s = core.Solver(
-        lower=tuple(corners[0] * H),
-        cell=H,
-        cells=tuple(round(n) for n in corners[1] - corners[0]),
-        faces=grid_faces,
-        materials=[aluminium_that_fails()] * 2,
-        options=options(scheme, shape),
-        threads=1,
+    bodies = [
+        (turned(x[there & (body == b)]), turned(velocity * b), pitch**3, RHO, b)
+        for b, pitch in enumerate((H / 2, H / 4))
+    ]
+    s = solver(
+        corners[0] * H,
+        H,
+        np.round(corners[1] - corners[0]),
+        grid_faces,
+        [aluminium_that_fails()] * 2,
+        options(scheme, shape),
+        bodies,
+        flies=[False, True],
+        friction=0.3 if contact else None,
     )
-    s.let_fly([False, True])
-    if contact:
-        s.set_contact([0, 1], 0.3)
-    for b, pitch in enumerate((H / 2, H / 4)):
-        chosen = there & (body == b)
-        n = int(chosen.sum())
-        v = turned(np.broadcast_to(velocity if b else np.zeros(3), (n, 3)).astype(float))
-        volume = np.full(n, pitch**3)
-        s.add_points(
-            position=np.ascontiguousarray(turned(x[chosen])),
-            velocity=np.ascontiguousarray(v),
-            mass=RHO * volume,
-            volume=volume,
-            body=np.full(n, b, dtype=np.uint8),
-        )
-    s.initialize()
     s.advance(UNSTABLE_STEPS if scheme == "usl" else STEPS, 1.0)
     ids = np.flatnonzero(there)[s.field("id")]
     back = lambda v: v[:, list(axes)] * np.array(signs)  # noqa: E731
