@@ -52,7 +52,7 @@ GROWTH = [250_000, 500_000, 1_000_000, 2_000_000, 4_000_000, 8_000_000]
 
 
 def fastest_of_five(once: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """A row of the table. The machines are shared: what else runs there only slows."""
+    """Return a row of the table. The machines are shared: what else runs there only slows."""
     result = max((once() for _ in range(5)), key=lambda r: r["particle_steps_per_second"])
     scalar = result.get("scalar_particle_steps_per_second")
     row = {
@@ -68,7 +68,7 @@ def fastest_of_five(once: Callable[[], dict[str, Any]]) -> dict[str, Any]:
 
 
 def command_line(isa: str, arguments: list[str]) -> dict[str, Any]:
-    """The figures of `pockmark bench` in a process of its own, on one thread unless told."""
+    """Return the figures of `pockmark bench` in a process of its own, on one thread unless told."""
     threads = [] if "--threads" in arguments else ["--threads", "1"]
     command = [sys.executable, "-m", "pockmark", "bench", "--json", *threads, *arguments]
     environment = os.environ | ({"POCKMARK_ISA": isa} if isa else {})
@@ -77,7 +77,7 @@ def command_line(isa: str, arguments: list[str]) -> dict[str, Any]:
 
 
 def cases(only: list[str] | None) -> Iterator[dict[str, Any]]:
-    """Model 1 of Table 2, case by case."""
+    """Time model 1 of Table 2, case by case."""
     for name, (isa, arguments) in CASES.items():
         if not only or name in only:
             whole = [*arguments, "--points", "252112"]
@@ -85,7 +85,7 @@ def cases(only: list[str] | None) -> Iterator[dict[str, Any]]:
 
 
 def growth(only: list[str] | None) -> Iterator[dict[str, Any]]:
-    """The same impact in ever smaller cells."""
+    """Time the same impact in ever smaller cells."""
     for points in GROWTH:
         name = f"{points / 1e6:g} million"
         if not only or name in only:
@@ -94,7 +94,7 @@ def growth(only: list[str] | None) -> Iterator[dict[str, Any]]:
 
 
 def age(only: list[str] | None) -> Iterator[dict[str, Any]]:
-    """Rates in windows of 10 ns along whole runs, on one thread."""
+    """Measure rates in windows of 10 ns along whole runs, on one thread."""
     for example in ("normal-2200", "group-4500"):
         if only and example not in only:
             continue
@@ -113,7 +113,7 @@ def age(only: list[str] | None) -> Iterator[dict[str, Any]]:
 
 
 def memory(only: list[str] | None) -> Iterator[dict[str, Any]]:
-    """A few steps, two snapshots, the measures and the pictures, in a process of its own on one thread."""
+    """Run a few steps, two snapshots, the measures and the pictures, in a process of its own on one thread."""
     short = ("end_time='1 ns'", "output.snapshots='1 ns'")
     for points, precision in itertools.product(MEMORY, ("double", "single")):
         name = f"{points / 1e6:g} million, {precision}"
@@ -133,7 +133,7 @@ def memory(only: list[str] | None) -> Iterator[dict[str, Any]]:
 
 
 def peak_and_disk(scene: Scene) -> tuple[int, int]:
-    """Bytes of `pockmark run`: its peak of resident memory, and its folder."""
+    """Return the bytes of `pockmark run`: its peak of resident memory, and its folder."""
     with tempfile.TemporaryDirectory() as folder:
         file, out = Path(folder) / "scene.toml", Path(folder) / "run"
         scene.save(file)

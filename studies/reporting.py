@@ -21,7 +21,7 @@ class Row:
     """A run: its swept keys, and its measures by their name in `crater.`."""
 
     def __init__(self, cells: Mapping[str, str]) -> None:
-        """Of a line of the table that `pockmark study` wrote."""
+        """Read a line of the table that `pockmark study` wrote."""
         self.cells = cells
         self.speed = to_si(cells["impact.speed"], "m/s")
         self.angle = round(math.degrees(to_si(cells["impact.angle"], "rad")), 6)
@@ -33,19 +33,19 @@ class Row:
         self.scene = cells["scene"]
 
     def get(self, key: str) -> float | None:
-        """A measure of the crater, or of the group ("group.mode"), SI, None if there is none."""
+        """Return a measure of the crater, or of the group ("group.mode"), SI, None if there is none."""
         text = self.cells.get(key if "." in key and key in self.cells else f"crater.{key}")
         return float(text) if text else None
 
     def __getitem__(self, key: str) -> float:
-        """A measure that must be there."""
+        """Return a measure that must be there."""
         value = self.get(key)
         if value is None:
             raise KeyError(f"{self.label}: has no {key}")
         return value
 
     def spread(self, key: str) -> float:
-        """The uncertainty of a measure; of a ratio without its own that of C_p in it; 0 where it is not known."""
+        """Return the uncertainty of a measure; of a ratio without its own that of C_p in it; 0 where it is not known."""
         own = self.get(f"uncertainty.{key}")
         return own if own is not None else self[key] * (self.get("uncertainty.depth") or 0.0) / self["depth"]
 
@@ -58,7 +58,7 @@ class Row:
 
 
 def read_results(path: Path) -> list[Row]:
-    """The rows of a campaign's table, by angle and speed."""
+    """Return the rows of a campaign's table, by angle and speed."""
     with path.open(newline="", encoding="utf-8") as file:
         return sorted(
             map(Row, csv.DictReader(file)), key=lambda row: (row.angle, row.speed, row.friction or 0)
@@ -67,7 +67,7 @@ def read_results(path: Path) -> list[Row]:
 
 @contextmanager
 def figure(path: Path, x: str, y: str) -> Iterator[Axes]:
-    """Axes that become a PNG."""
+    """Give axes that become a PNG."""
     drawing = Figure(figsize=(6.4, 4.4), layout="constrained")
     FigureCanvasAgg(drawing)
     axes = drawing.subplots()
@@ -77,7 +77,7 @@ def figure(path: Path, x: str, y: str) -> Iterator[Axes]:
 
 
 def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
-    """A CSV table; what a row has no value for stays empty."""
+    """Write a CSV table; what a row has no value for stays empty."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, list(dict.fromkeys(key for row in rows for key in row)), restval="")
         writer.writeheader()
@@ -85,7 +85,7 @@ def write_rows(path: Path, rows: Sequence[Mapping[str, object]]) -> None:
 
 
 def made_by(cells: Mapping[str, str]) -> dict[str, str]:
-    """The version, the physics and the commit of a run, for its row in another table."""
+    """Return the version, the physics and the commit of a run, for its row in another table."""
     return {name: cells[name] for name in ("version", "physics", "commit")}
 
 
@@ -95,7 +95,7 @@ def write_table(
     keys: Sequence[str],
     extra: Mapping[str, Sequence[float | None]] | None = None,
 ) -> None:
-    """Angle, speed and measures (SI) with their uncertainties, a row a run, and what version made it."""
+    """Write angle, speed and measures (SI) with their uncertainties, a row a run, and what version made it."""
     known = [f"uncertainty.{key}" for key in keys if any(r.get(f"uncertainty.{key}") for r in rows)]
     table: list[dict[str, object]] = []
     for i, row in enumerate(rows):
@@ -109,7 +109,7 @@ def write_table(
 
 
 def process_figures(rows: Sequence[Row], runs: Path, out: Path, names: Mapping[int, str]) -> None:
-    """Stress and pressure of the runs of the group `panels` that are there, named by their angle in degrees."""
+    """Draw stress and pressure of the runs of the group `panels` that are there, named by their angle in degrees."""
     for row in rows:
         if "panels" in row.groups and (runs / row.scene).exists():
             plot_process(runs / row.scene).savefig(out / names[round(row.angle)], dpi=100)

@@ -27,7 +27,7 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    """Imported when first asked for: the command line wants to hear Ctrl-C before a second of imports."""
+    """Import a name when it is first asked for: the command line wants to hear Ctrl-C before a second of imports."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, attribute = _HOMES[name]

@@ -4,7 +4,7 @@ import signal
 
 
 def main() -> None:
-    """The command line."""
+    """Run the command line."""
     # Nothing can be lost while modules are imported: Ctrl-C just ends the process, without a traceback.
     heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if heard:

@@ -10,7 +10,7 @@ WARM_UP, END = 5e-9, 15e-9  # s: the window that is measured, during the impact
 
 
 def bench_scene(points: int, overrides: tuple[str, ...] = ()) -> Scene:
-    """Table 2's impact (Liu et al. 2015) at about the given number of points; model 1 at 252,112."""
+    """Return Table 2's impact (Liu et al. 2015) at about the given number of points; model 1 at 252,112."""
     layers = max(4, round(50 * (points / 252_112) ** (1 / 3)))
     spacing = 100.0 / layers
     table = {
@@ -109,7 +109,7 @@ def _measure(simulation: Simulation, end: float) -> Measured:
 
 
 def traffic_per_point(scene: Scene, sorts_per_step: float) -> dict[str, float]:
-    """Bytes of point data that each phase must move to and from memory, a point and step; the grid's not counted."""
+    """Return the bytes of point data that each phase must move to and from memory, a point and step; the grid's not counted."""
     size = 8 if scene.numerics.precision == "double" else 4
     width = {f["name"]: f["components"] * size for f in _core.fields()} | {"body": 1, "cell": 4, "id": 4}
     scheme = scene.numerics.scheme

@@ -55,7 +55,7 @@ class Fit(NamedTuple):
 
 
 def require_size(lower: Sequence[float], upper: Sequence[float]) -> None:
-    """Raises ValueError unless the corners of a box or patch span something in each direction."""
+    """Raise ValueError unless the corners of a box or patch span something in each direction."""
     if min(u - w for w, u in zip(lower, upper, strict=True)) <= 0:
         raise ValueError("upper must exceed lower in each direction")
 
@@ -183,7 +183,7 @@ class Swarm(Balls):
         return self
 
     def resolved(self, density: float) -> "Swarm":
-        """With what follows from its flux, of a material of `density` kg/m^3. Raises ValueError where that contradicts what
+        """Return the swarm with what follows from its flux, of a material of `density` kg/m^3. Raises ValueError where that contradicts what
         is given."""
         if self.flux is None:
             return self
@@ -244,7 +244,7 @@ def box_gap(a: Body, b: Body) -> float:
 
 
 def overlap(a: Body, b: Body) -> bool:
-    """Whether what the points of two bodies fill shares more than a surface."""
+    """Return whether what the points of two bodies fill shares more than a surface."""
     if isinstance(a, Block) and isinstance(b, Block):
         return box_gap(a, b) < -NOISE * max(a.spacing, b.spacing)
     if isinstance(b, Block):

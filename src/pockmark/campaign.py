@@ -67,7 +67,7 @@ def load(folder: Path) -> Campaign:
 
 
 def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:
-    """The runs of a campaign, each once with all groups that want it; `only` names groups or figures to run."""
+    """Return the runs of a campaign, each once with all groups that want it; `only` names groups or figures to run."""
     known = {name for g in campaign.group for name in (g.name, *g.figures)}
     if unknown := sorted(set(only) - known):
         raise PockmarkError(
@@ -91,5 +91,5 @@ def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> 
 
 
 def _texts(changes: Mapping[str, Any]) -> list[str]:
-    """As --set takes them."""
+    """Return the changes as --set takes them."""
     return [f"{key}={to_toml({'v': value}).removeprefix('v = ').strip()}" for key, value in changes.items()]

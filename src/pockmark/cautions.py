@@ -19,7 +19,7 @@ ENOUGH_LAYERS = 4  # points through a wall
 
 
 def missing(snapshot: Mapping[str, NDArray[Any]], scene: Scene, wall: Wall | None) -> Iterator[str]:
-    """Why there is no crater to measure in a snapshot, where that is so."""
+    """Say why there is no crater to measure in a snapshot, where that is so."""
     if not scene.targets:
         yield "the scene has no target: every body is a projectile, and there is no crater to measure"
     elif wall is None:
@@ -36,7 +36,7 @@ def missing(snapshot: Mapping[str, NDArray[Any]], scene: Scene, wall: Wall | Non
 
 
 def of_hole(hole: Hole | None, surface: Surface | None, wall: Wall | None) -> Iterator[str]:
-    """What a hole makes of the other measures."""
+    """Say what a hole makes of the other measures."""
     if surface is None or wall is None or not surface.holes.any():
         return
     if hole is None:
@@ -56,7 +56,7 @@ def of_hole(hole: Hole | None, surface: Surface | None, wall: Wall | None) -> It
 def of_crater(
     crater: Crater | None, surface: Surface | None, wall: Wall | None, mirrors: Sequence[Mirror]
 ) -> Iterator[str]:
-    """Where a crater is too large for its target, mirror images included."""
+    """Say where a crater is too large for its target, mirror images included."""
     if crater is None or surface is None or wall is None:
         return
     depth, thickness = crater.depth, wall.thickness
@@ -86,7 +86,7 @@ def of_crater(
 
 
 def of_resolution(wall: Wall | None, cells: float | None, change: float | None) -> Iterator[str]:
-    """Where the points or the time are too few."""
+    """Say where the points or the time are too few."""
     if cells is not None and cells < ENOUGH_CELLS_ACROSS:
         yield (
             f"resolution: {cells:.3g} cells across the projectile, fewer than {ENOUGH_CELLS_ACROSS}: a finer grid gives "

@@ -96,7 +96,7 @@ def run(
 
 @app.command()
 def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -> None:
-    """Points, cells, steps, memory and time of a scene, before anything runs."""
+    """Forecast points, cells, steps, memory and time of a scene, before anything runs."""
     loaded = Scene.load(scene, overrides or ())
     expected = forecast(loaded, thread_count(threads))
     table = Table(show_header=False, title=literal(loaded.title or scene, "table.title"))
@@ -118,7 +118,7 @@ def measure(
     folder: RunDir,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with stable keys, SI.")] = False,
 ) -> None:
-    """Crater, energies and counters of a run; what each counter counts is said beside it (and in docs/output.md)."""
+    """Measure crater, energies and counters of a run; what each counter counts is said beside it (and in docs/output.md)."""
     result = measure_run(folder)
     if as_json:
         print(to_json(result))
@@ -146,7 +146,7 @@ def bench(
     threads: Threads = 0,
     overrides: Overrides = None,
 ) -> None:
-    """How fast the step is here: a fixed impact with the full physics, phase by phase."""
+    """Time the step on this machine: a fixed impact with the full physics, phase by phase."""
     scene = bench_scene(points, (f"numerics.precision={precision}", *(overrides or ())))
     try:
         result = run_bench(scene, thread_count(threads))
@@ -222,11 +222,11 @@ def _options(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Options of every command."""
+    """Give the options of every command."""
 
 
 def main() -> None:
-    """Entry point: a user's mistake is one sentence and exit code 2."""
+    """Run the command line: a user's mistake is one sentence and exit code 2."""
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a name need not fit the terminal's encoding
     try:

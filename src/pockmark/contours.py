@@ -25,18 +25,18 @@ def open_at_edge(fraction: Array) -> bool:
 
 
 def contour_area(fraction: Array) -> float:
-    """Area (nodes^2) where a slice (nx, ny) is below one half; islands are taken off."""
+    """Return the area (nodes^2) where a slice (nx, ny) is below one half; islands are taken off."""
     return abs(sum(map(_signed_area, _contours(fraction))))
 
 
 def largest_contour(fraction: Array) -> Array | None:
-    """The contour (n, 2), in nodes, around the largest area below one half of a slice (nx, ny); None without any."""
+    """Return the contour (n, 2), in nodes, around the largest area below one half of a slice (nx, ny); None without any."""
     around = [contour for contour in _contours(fraction) if _signed_area(contour)]
     return max(around, key=lambda c: abs(_signed_area(c)), default=None)
 
 
 def polygon_moments(contour: Array) -> Moments:
-    """Of what a closed polygon (n, 2) encloses, by Green's theorem."""
+    """Return the moments of what a closed polygon (n, 2) encloses, by Green's theorem."""
     middle = contour.mean(axis=0)
     a, b = contour[:-1] - middle, contour[1:] - middle
     cross = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]

@@ -52,7 +52,7 @@ def measure_target(
     wall: Wall | None = None,
     level: float = 0.5,
 ) -> Crater | None:
-    """The crater in the target's points, as for `target_field`, at a level of the fraction; None if there is none."""
+    """Return the crater in the target's points, as for `target_field`, at a level of the fraction; None if there is none."""
     field = target_field(position, volume, spacing, mirrors=mirrors, wall=wall)
     return None if field is None else measure_crater(field.surface(level))
 
@@ -89,12 +89,12 @@ def measure_crater(surface: Surface, heading: tuple[float, float] = (1.0, 0.0)) 
 
 
 def floor_of(surface: Surface) -> Array:
-    """The crater's floor (nx, ny), m, without pits of a column or two."""
+    """Return the crater's floor (nx, ny), m, without pits of a column or two."""
     return _without_pits(_lowest(surface), surface.spacing)
 
 
 def _lowest(surface: Surface) -> Array:
-    """Lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor; about the wall's back
+    """Return the lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor; about the wall's back
     in a hole."""
     above = surface.within.start if surface.holes.any() else 0  # what a hole lets in below is no crater
     lowest = above + np.argmax(surface.fraction[:, :, above:] <= 0.5, axis=2)
@@ -102,13 +102,13 @@ def _lowest(surface: Surface) -> Array:
 
 
 def _without_pits(floor: Array, spacing: float) -> Array:
-    """The floor with columns more than a spacing below the median of the 5 x 5 around them put to that median."""
+    """Return the floor with columns more than a spacing below the median of the 5 x 5 around them put to that median."""
     median = ndimage.median_filter(floor, size=5)
     return np.where(floor < median - spacing, median, floor)
 
 
 def _depth(surface: Surface, floor: Array, i: int, j: int) -> float:
-    """Depth of the vertex of a paraboloid fitted to the floor around column (i, j), m; the paraboloid's at the column
+    """Return the depth of the vertex of a paraboloid fitted to the floor around column (i, j), m; the paraboloid's at the column
     if it has no vertex there."""
     radius = FIT_RADIUS * surface.spacing
     dx, dy = np.meshgrid(surface.x - surface.x[i], surface.y - surface.y[j], indexing="ij")
@@ -127,7 +127,7 @@ def _depth(surface: Surface, floor: Array, i: int, j: int) -> float:
 def _bottom(
     surface: Surface, floor: Array, i: int, j: int, depth: float, heading: tuple[float, float]
 ) -> tuple[tuple[float, float], float]:
-    """Centre (x, y) of the bowl's bottom around column (i, j) and its standard uncertainty along the heading, m.
+    """Return the centre (x, y) of the bowl's bottom around column (i, j) and its standard uncertainty along the heading, m.
 
     The centres of gravity of what lies deeper than .95 and than .9 of the depth are extrapolated to the depth, as the
     slices of a tilted bowl shift. The vertex of a fit is no use here: the floor of an oblique crater is flat, with
@@ -142,7 +142,7 @@ def _bottom(
 def _deep_centre(
     surface: Surface, floor: Array, i: int, j: int, depth: float, heading: tuple[float, float]
 ) -> tuple[float, float, float]:
-    """Centre of gravity x, y of the bowl around column (i, j) below `depth`, and its standard uncertainty along the heading, m:
+    """Return the centre of gravity x, y of the bowl around column (i, j) below `depth`, and its standard uncertainty along the heading, m:
     the height of each patch of a cell is off by SIGMA spacings, independently."""
     excess = -floor - depth
     excess[i, j] = max(excess[i, j], 1e-3 * depth)  # the column itself always counts
@@ -165,11 +165,11 @@ class Openings:
 
     @classmethod
     def of(cls, surface: Surface) -> "Openings":
-        """Of a surface; slices are its nodes below z = 0."""
+        """Return the openings of a surface; slices are its nodes below z = 0."""
         return cls._labelled(surface, surface.fraction[:, :, surface.z < -0.25 * surface.spacing])
 
     def within(self, columns: NDArray[np.bool_]) -> "Openings":
-        """What of it is open in some columns (nx, ny); the others count as solid."""
+        """Return what of it is open in some columns (nx, ny); the others count as solid."""
         return self._labelled(self.surface, np.where(columns[:, :, None], self.fraction, 1.0))
 
     @classmethod
@@ -177,7 +177,7 @@ class Openings:
         return cls(surface, fraction, ndimage.label(fraction <= 0.5)[0])
 
     def bowl(self, i: int, j: int) -> "Bowl":
-        """The hollow that is open in column (i, j)."""
+        """Return the hollow that is open in column (i, j)."""
         column = self.hollow[i, j][self.hollow[i, j] > 0]
         return Bowl(self, int(column[0]) if len(column) else -1)
 
@@ -192,7 +192,7 @@ class Pithead:
 
 
 def _at_zero(values: Array) -> Array:
-    """What values (n, m) in slices 1, 2 ... steps below z = 0 are there, by straight lines."""
+    """Return what values (n, m) in slices 1, 2 ... steps below z = 0 are there, by straight lines."""
     if len(values) == 1:
         return np.asarray(values[0])
     depth = np.arange(1, len(values) + 1)
@@ -212,14 +212,14 @@ class Bowl:
         return int(self.of.fraction.shape[2])
 
     def slice(self, k: int) -> Array:
-        """Solid fraction (nx, ny) of the k-th slice from below."""
+        """Return the solid fraction (nx, ny) of the k-th slice from below."""
         near = self.of.hollow[:, :, max(k - 1, 0) : k + 2] == self.number
         reached = ndimage.binary_dilation(near.any(axis=2), np.ones((3, 3)))
         here = self.of.hollow[:, :, k]
         return np.where(reached & ((here == self.number) | (here == 0)), self.of.fraction[:, :, k], 1.0)
 
     def pithead(self, depth: float) -> "Pithead | None":
-        """Of a bowl `depth` (m) deep; None if it is open at the edge.
+        """Return the pithead of a bowl `depth` (m) deep; None if it is open at the edge.
 
         At z = 0 itself an untouched surface is on the level too. So area and centre are taken in the slices from h/2 down
         to 5h/2, or half the depth, and carried on to z = 0 along straight lines; a paraboloid's are straight. The axes' ratio
@@ -243,7 +243,7 @@ class Bowl:
         return Pithead(corner + contour * step, area * step**2, ellipse)
 
     def volume(self, depth: float, area: float) -> float:
-        """Integral of the slices' areas from z = 0 (the pithead's `area`) to -depth, m^3."""
+        """Return the integral of the slices' areas from z = 0 (the pithead's `area`) to -depth, m^3."""
         heights = self.of.surface.z[: self.slices]
         cell = (self.of.surface.spacing / 2) ** 2
         kept = [k for k in range(self.slices) if heights[k] > -depth]

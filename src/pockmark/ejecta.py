@@ -37,7 +37,7 @@ def find_ejecta(
     mirrors: Sequence[Mirror],
     walls: Sequence[Sequence[int]] | None = None,
 ) -> Ejecta:
-    """The points, of target and projectile alike, that are detached and move upwards (v_z > 0): from the largest piece of
+    """Return the points, of target and projectile alike, that are detached and move upwards (v_z > 0): from the largest piece of
     each wall, a group of bodies, or of everything where no walls are told."""
     velocity, mass = snapshot["velocity"], snapshot["mass"]
     owner = None
@@ -59,12 +59,12 @@ def find_ejecta(
 
 
 def copies(mirrors: Sequence[Mirror]) -> int:
-    """How many times the whole impact holds what is computed."""
+    """Return how many times the whole impact holds what is computed."""
     return int(2 ** len(mirrors))
 
 
 def whole_momentum(momentum: Array, mirrors: Sequence[Mirror]) -> Array:
-    """Without the components across symmetry planes, which the mirror image takes back."""
+    """Return a momentum without the components across symmetry planes, which the mirror image takes back."""
     out = np.array(momentum, dtype=float)
     for mirror in mirrors:
         out[mirror.axis] = 0.0
@@ -72,5 +72,5 @@ def whole_momentum(momentum: Array, mirrors: Sequence[Mirror]) -> Array:
 
 
 def enhancement(ejected: float, projectile: float) -> float | None:
-    """beta = 1 + p_ejecta,z / p_projectile,z, both positive: out of the target, into it; None without a projectile's."""
+    """Return beta = 1 + p_ejecta,z / p_projectile,z, both positive: out of the target, into it; None without a projectile's."""
     return 1 + ejected / projectile if projectile > 0 else None

@@ -24,7 +24,7 @@ class Ellipse:
         return math.sqrt(1 - (self.minor / self.major) ** 2)
 
     def residual(self, contour: Array) -> float:
-        """Root mean square distance (m) of a contour (n, 2) from the ellipse, to first order."""
+        """Return the root mean square distance (m) of a contour (n, 2) from the ellipse, to first order."""
         c, s = math.cos(self.orientation), math.sin(self.orientation)
         x, y = ((contour - np.array(self.centre)) @ np.array([[c, -s], [s, c]])).T
         a, b = self.major / 2, self.minor / 2
@@ -32,7 +32,7 @@ class Ellipse:
         return float(np.sqrt(np.mean((level / slope) ** 2)))
 
     def e1(self, bottom: tuple[float, float], heading: tuple[float, float]) -> float:
-        """2 (C_xs - C_xb) / D_max, Eq. 23, as printed, along the `heading` (unit vector x, y): positive where the bottom (x, y; m)
+        """Return 2 (C_xs - C_xb) / D_max, Eq. 23, as printed, along the `heading` (unit vector x, y): positive where the bottom (x, y; m)
         lies behind the centre."""
         ahead = sum((c - b) * h for c, b, h in zip(self.centre, bottom, heading, strict=True))
         return 2 * ahead / self.major
@@ -44,7 +44,7 @@ def with_area(covariance: Array, area: float) -> Array:
 
 
 def ellipse_of(centre: Array, covariance: Array) -> Ellipse:
-    """The ellipse with these moments: centre (2,) m, covariance (2, 2) m^2 of the places in it."""
+    """Return the ellipse with these moments: centre (2,) m, covariance (2, 2) m^2 of the places in it."""
     spread, axes = np.linalg.eigh(covariance)
     minor, major = (4 * math.sqrt(max(float(s), 0.0)) for s in spread)
     angle = math.atan2(float(axes[1, 1]), float(axes[0, 1]))

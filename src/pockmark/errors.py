@@ -21,7 +21,7 @@ _short.maxstring = _short.maxlong = _short.maxother = 60
 
 
 def found(value: Any) -> str:
-    """ "found 'x'", short enough for a sentence."""
+    """Return "found 'x'", short enough for a sentence."""
     return f"found {_short.repr(value)}"
 
 

@@ -50,7 +50,7 @@ class Forecast:
 
 
 def forecast(scene: Scene, threads: int) -> Forecast:
-    """Points, cells, steps, memory, disk and time of a scene, with warnings."""
+    """Forecast points, cells, steps, memory, disk and time of a scene, with warnings."""
     points = sum(count(body, scene.grid.box) for body in scene.body)
     steps = math.ceil(scene.steps_about)
     slower = 2.8 if scene.numerics.shape_functions == "quadratic" else 1.0
@@ -69,7 +69,7 @@ def forecast(scene: Scene, threads: int) -> Forecast:
 
 
 def cells_across(scene: Scene) -> float | None:
-    """Cells of the grid across the smallest projectile: a ball's diameter, a block's least side, with its mirror image; None
+    """Return the cells of the grid across the smallest projectile: a ball's diameter, a block's least side, with its mirror image; None
     without a projectile."""
     across = []
     for i in scene.projectiles:
@@ -79,13 +79,13 @@ def cells_across(scene: Scene) -> float | None:
 
 
 def is_too_coarse(scene: Scene) -> bool:
-    """Whether fewer than MIN_CELLS_ACROSS cells lie across a projectile."""
+    """Return whether fewer than MIN_CELLS_ACROSS cells lie across a projectile."""
     across = cells_across(scene)
     return across is not None and across < MIN_CELLS_ACROSS * (1 - 1e-9)
 
 
 def available_memory() -> float | None:
-    """Memory that can be had without swapping, bytes; None where the system does not tell."""
+    """Return the memory that can be had without swapping, bytes; None where the system does not tell."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
@@ -116,7 +116,7 @@ def _disk(scene: Scene, points: int) -> float:
 
 
 def warnings(scene: Scene) -> list[str]:
-    """What a careful analyst would ask about this scene."""
+    """Say what a careful analyst would ask about this scene."""
     out = _impact_warnings(scene) + _resolution_warning(scene) + frame_warnings(scene)
     out += _range_warnings(scene) + _crater_warnings(scene)
     for i, body in enumerate(scene.body):
@@ -132,7 +132,7 @@ def warnings(scene: Scene) -> list[str]:
 
 
 def _impact_warnings(scene: Scene) -> list[str]:
-    """Whether there is an impact at all, and where its depth is measured from."""
+    """Say whether there is an impact at all, and where its depth is measured from."""
     out = []
     if not scene.projectiles:
         out.append("no body is marked projectile = true: nothing moves")
@@ -173,7 +173,7 @@ def frame_warnings(scene: Scene) -> list[str]:
 
 
 def _range_warnings(scene: Scene) -> list[str]:
-    """Materials that the impact shocks beyond the range of their laws."""
+    """Name the materials that the impact shocks beyond the range of their laws."""
     normal = scene.impact.speed * math.cos(scene.impact.angle)
     reached: dict[str, float] = {}
     for a in scene.projectiles:
@@ -192,7 +192,7 @@ def _range_warnings(scene: Scene) -> list[str]:
 
 
 def _particle_speed(target: Material, projectile: Material, speed: float) -> float:
-    """Of the target behind the shock, m/s, by impedance match: the pressures of both are equal."""
+    """Return the particle speed of the target behind the shock, m/s, by impedance match: the pressures of both are equal."""
 
     def pressure(of: Material, up: float) -> float:
         c0 = math.sqrt(of.bulk_modulus / of.density)
@@ -202,7 +202,7 @@ def _particle_speed(target: Material, projectile: Material, speed: float) -> flo
 
 
 def _crater_warnings(scene: Scene) -> list[str]:
-    """Whether the crater that Liu et al. 2015, Eq. 22, predicts fits into the targets and the grid, and has time to settle."""
+    """Say whether the crater that Liu et al. 2015, Eq. 22, predicts fits into the targets and the grid, and has time to settle."""
     out, settled = [], 0.0
     for i in scene.targets:
         body = scene.body[i]
@@ -228,7 +228,7 @@ def _crater_warnings(scene: Scene) -> list[str]:
 
 
 def predicted_depth(scene: Scene, target: Material) -> float | None:
-    """Depth of the crater of the largest ball of the scene in a target, m, by Liu et al. 2015, Eq. 22, with the normal part of
+    """Return the depth of the crater of the largest ball of the scene in a target, m, by Liu et al. 2015, Eq. 22, with the normal part of
     the speed; None without a ball, a speed or a yield strength."""
     normal = scene.impact.speed * math.cos(scene.impact.angle)
     if not normal or not isinstance(target.strength, JohnsonCook):
@@ -254,13 +254,13 @@ def settling_time(depth: float, target: Material) -> float:
 
 
 def _arrival(scene: Scene) -> float:
-    """When the last projectile meets z = 0 with its lower side, s."""
+    """Return when the last projectile meets z = 0 with its lower side, s."""
     heights = [scene.body[i].box[0][2] for i in scene.projectiles]
     return max([0.0, *heights]) / -scene.impact.velocity[2] if scene.impact.speed else 0.0
 
 
 def _too_wide(scene: Scene, depth: float) -> str:
-    """Along which axis hemispherical craters of this depth (m) take more than half of the grid; empty if along none."""
+    """Say along which axis hemispherical craters of this depth (m) take more than half of the grid; empty if along none."""
     places = [place for i in scene.projectiles for place in _places(scene.body[i])]
     for axis, name in enumerate("xy"):
         low, high = min(p[axis] for p in places) - depth, max(p[axis] for p in places) + depth
@@ -283,7 +283,7 @@ def _places(body: Body) -> Sequence[Vector]:
 
 
 def _least_side(block: Block, scene: Scene) -> float:
-    """Of a block and its mirror images, m."""
+    """Return the least side of a block with its mirror images, m."""
     sides = [fit.length for fit in block.fits]
     for mirror in scene.mirrors:
         if abs(block.box[mirror.above][mirror.axis] - mirror.at) <= 1e-9 * scene.grid.cell:
@@ -292,7 +292,7 @@ def _least_side(block: Block, scene: Scene) -> float:
 
 
 def _lattice_warnings(body: Body, scene: Scene) -> list[str]:
-    """Whether the points are enough for the body and the grid, and what was rounded or fitted."""
+    """Say whether the points are enough for the body and the grid, and what was rounded or fitted."""
     out = []
     fits = body.fits if isinstance(body, Block) else (body.fit,)
     if not isinstance(body, Block) and body.fit.number < 2:
@@ -311,7 +311,7 @@ def _lattice_warnings(body: Body, scene: Scene) -> list[str]:
 
 
 def _mass_ratio(body: Body) -> float:
-    """Mass of a body's points over that of its written size."""
+    """Return the mass of a body's points over that of its written size."""
     if isinstance(body, Block):
         written = math.prod(u - w for w, u in zip(body.lower, body.upper, strict=True))
     else:
@@ -320,7 +320,7 @@ def _mass_ratio(body: Body) -> float:
 
 
 def _short_side_warnings(target: Body, scene: Scene) -> list[str]:
-    """Sides that end less than a cell short of a face which is not free: there is a gap, and they are free."""
+    """Name the sides that end less than a cell short of a face which is not free: there is a gap, and they are free."""
     out = []
     for i, (face, kind) in enumerate(zip(FACES, scene.boundary.faces, strict=True)):
         axis, above = i // 2, i % 2
@@ -333,7 +333,7 @@ def _short_side_warnings(target: Body, scene: Scene) -> list[str]:
 
 
 def _face_warnings(projectile: Body, scene: Scene) -> list[str]:
-    """Faces, the one under the target included, that lie closer than two diameters."""
+    """Name the faces, the one under the target included, that lie closer than two diameters."""
     lower, upper = projectile.box
     diameter = upper[2] - lower[2]
     faces, mirrored = ("x_lower", "x_upper", "y_lower", "y_upper"), [(m.axis, m.above) for m in scene.mirrors]

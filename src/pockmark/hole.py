@@ -23,7 +23,7 @@ class Hole:
 
 
 def measure_hole(surface: Surface) -> Hole | None:
-    """The holes of a wall whose back is free; None if there is none."""
+    """Return the holes of a wall whose back is free; None if there is none."""
     numbers = surface.holes
     if surface.is_backed or not numbers.any():
         return None
@@ -38,7 +38,7 @@ def measure_hole(surface: Surface) -> Hole | None:
 
 
 def _neck(openings: Openings, number: int) -> tuple[int, Ellipse] | None:
-    """The slice where a hole's section is least wide, and the section's ellipse, m; None if a section is open at the edge."""
+    """Return the slice where a hole's section is least wide, and the section's ellipse, m; None if a section is open at the edge."""
     surface, bowl = openings.surface, Bowl(openings, number)
     sections = []
     for k in range(bowl.slices):

@@ -16,7 +16,7 @@ EVERYWHERE = ((-math.inf,) * 3, (math.inf,) * 3)
 
 
 def lattice(body: Body, box: Sequence[Sequence[float]] = EVERYWHERE) -> Array:
-    """Positions (n, 3) of a body's points, m, that lie in the box (lower, upper), its upper faces left out."""
+    """Return the positions (n, 3) of a body's points, m, that lie in the box (lower, upper), its upper faces left out."""
     if isinstance(body, Block):
         axes = [_inside(x, box, a) for a, x in enumerate(_block_axes(body))]
         return np.asarray(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3))
@@ -24,14 +24,14 @@ def lattice(body: Body, box: Sequence[Sequence[float]] = EVERYWHERE) -> Array:
 
 
 def count(body: Body, box: Sequence[Sequence[float]] = EVERYWHERE) -> int:
-    """How many points lattice() makes, without making them; a block lies in the box whole."""
+    """Return how many points lattice() makes, without making them; a block lies in the box whole."""
     if isinstance(body, Block):
         return math.prod(int(fit.number) for fit in body.fits)
     return sum(_ball_count(center, body.fit, box) for center in body.places)
 
 
 def size(body: Body) -> float:
-    """About how many points a body has, for the asking before they are counted: it may be infinite."""
+    """Return about how many points a body has, for the asking before they are counted: it may be infinite."""
     if isinstance(body, Block):
         return math.prod(fit.number for fit in body.fits)
     n = body.fit.number
@@ -39,7 +39,7 @@ def size(body: Body) -> float:
 
 
 def point_volume(body: Body) -> float:
-    """Volume of each point of a body, m^3: a ball's points share the ball's, but for `rounded` ones, which are cubes."""
+    """Return the volume of each point of a body, m^3: a ball's points share the ball's, but for `rounded` ones, which are cubes."""
     cube = body.spacing**3
     if isinstance(body, Block):
         return cube * math.prod(fit.pitch / body.spacing for fit in body.fits)
@@ -53,7 +53,7 @@ def _inside(x: Array, box: Sequence[Sequence[float]], axis: int) -> Array:
 
 
 def _block_axes(block: Block) -> list[Array]:
-    """Centres lower + (i + 1/2) h of the pitches h; along z upper - (k + 1/2) h, so that the surface is where it is asked."""
+    """Return the centres lower + (i + 1/2) h of the pitches h; along z upper - (k + 1/2) h, so that the surface is where it is asked."""
     x, y, z = ((np.arange(fit.number) + 0.5) * fit.pitch for fit in block.fits)
     return [block.lower[0] + x, block.lower[1] + y, block.upper[2] - z[::-1]]
 
@@ -72,20 +72,20 @@ def _ball_count(center: Vector, fit: Fit, box: Sequence[Sequence[float]]) -> int
 
 @cache
 def _whole_ball(n: int) -> int:
-    """How many points a ball has whose radius is n pitches: eight times its first octant's."""
+    """Return how many points a ball has whose radius is n pitches: eight times its first octant's."""
     half = np.arange(n) + 0.5
     return 8 * _count_within(n, half, half, half)
 
 
 def _count_within(radius: float, *axes: Array) -> int:
-    """How many of the points i, j, k of three axes have i^2 + j^2 + k^2 < radius^2."""
+    """Return how many of the points i, j, k of three axes have i^2 + j^2 + k^2 < radius^2."""
     x, y, z = (np.sort(half**2) for half in axes)
     # In a plane of constant x: for each y, the z with z^2 < n^2 - x^2 - y^2.
     return sum(int(np.searchsorted(z, radius**2 - square - y, side="left").sum()) for square in x)
 
 
 def _ball_axes(center: Vector, fit: Fit, box: Sequence[Sequence[float]]) -> list[Array]:
-    """Half-integers i, j, k about the centre; the ball is i^2 + j^2 + k^2 < n^2, n its radius in pitches."""
+    """Return half-integers i, j, k about the centre; the ball is i^2 + j^2 + k^2 < n^2, n its radius in pitches."""
     n = int(fit.number)
     half = np.arange(-n, n) + 0.5
     axes = []

@@ -20,7 +20,7 @@ def lining(
     spacing: float,
     mirrors: Sequence[Mirror],
 ) -> tuple[float, float]:
-    """Mass (kg, of the whole impact) of the projectile below z = 0 within the pithead, and thickness (m) at the bottom: the
+    """Return the mass (kg, of the whole impact) of the projectile below z = 0 within the pithead, and thickness (m) at the bottom: the
     volume of its points within three spacings of the bottom, seen from above, over that circle's area."""
     left = np.isin(snapshot["body"], projectile_bodies) & (snapshot["position"][:, 2] < 0)
     position = snapshot["position"][left]

@@ -25,7 +25,7 @@ class Live:
 
 
 def live_depth(simulation: Simulation) -> Live:
-    """The deepest place that is open to the top, wherever it is, as a level set of the cells' filling: within a tenth of C_p,
+    """Return the deepest place that is open to the top, wherever it is, as a level set of the cells' filling: within a tenth of C_p,
     but for a crater of few cells."""
     scene = simulation.scene
     wall = first_wall(scene)
@@ -50,7 +50,7 @@ def live_depth(simulation: Simulation) -> Live:
 
 
 def _within(wall: Wall, scene: Scene) -> tuple[tuple[slice, slice, slice], Array]:
-    """The nodes to look at: inside of the wall's sides, which move with the faces, up to the first one at or above z = 0, and
+    """Return the nodes to look at: inside of the wall's sides, which move with the faces, up to the first one at or above z = 0, and
     down to the wall's back, or where that is free to the grid's bottom; and their heights, m."""
     grid, mirrored = scene.grid, {(m.axis, m.above) for m in scene.mirrors}
     ends = []
@@ -66,7 +66,7 @@ def _within(wall: Wall, scene: Scene) -> tuple[tuple[slice, slice, slice], Array
 
 
 def _whole_at_mirrors(fraction: NDArray[np.float32], scene: Scene) -> NDArray[np.float32]:
-    """The fraction at the grid's own nodes, with what the images of points add to those on a symmetry plane."""
+    """Return the fraction at the grid's own nodes, with what the images of points add to those on a symmetry plane."""
     fraction = fraction[(slice(OUTSIDE, -OUTSIDE),) * 3]
     for mirror in scene.mirrors:
         fraction[(slice(None),) * mirror.axis + (-1 if mirror.above else 0,)] *= 2
@@ -74,7 +74,7 @@ def _whole_at_mirrors(fraction: NDArray[np.float32], scene: Scene) -> NDArray[np
 
 
 def _around(void: NDArray[np.bool_]) -> tuple[slice, slice, slice]:
-    """A box from a node below all voids (nx, ny, nz) to one above the array, and a node wider; all columns, two nodes high, where
+    """Return a box from a node below all voids (nx, ny, nz) to one above the array, and a node wider; all columns, two nodes high, where
     there is none."""
     if not void.any():
         return slice(None), slice(None), slice(void.shape[2] - 1, None)
@@ -86,7 +86,7 @@ def _around(void: NDArray[np.bool_]) -> tuple[slice, slice, slice]:
 
 
 def _floor(fraction: NDArray[np.float32], is_open: NDArray[np.bool_], z: Array) -> Array:
-    """Height of the surface in each column, m, by a straight line from the lowest open node to the one below."""
+    """Return the height of the surface in each column, m, by a straight line from the lowest open node to the one below."""
     k = np.argmax(is_open, axis=2)
     i, j = np.indices(k.shape)
     below, above = fraction[i, j, k - 1], np.minimum(fraction[i, j, k], 0.5)

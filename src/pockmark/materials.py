@@ -144,7 +144,7 @@ class Material(Model):
     @field_validator("failure")
     @classmethod
     def _can_act(cls, failure: Failure, known: ValidationInfo) -> Failure:
-        """A law that was asked for adds damage somewhere."""
+        """Check that a law that was asked for adds damage somewhere."""
         strength = known.data.get("strength")
         if failure.treatment == "inactive":
             return failure
@@ -174,7 +174,7 @@ class Material(Model):
         return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
 
     def to_core(self) -> _core.Material:
-        """The core's material."""
+        """Return the core's material."""
         t, v = self.thermal, self.viscosity
         return _core.Material(
             eos=self._core_eos(),
@@ -234,12 +234,12 @@ class Material(Model):
 
 @cache
 def library() -> dict[str, dict[str, Any]]:
-    """The tables of materials.toml, by name."""
+    """Return the tables of materials.toml, by name."""
     return tomllib.loads(files("pockmark").joinpath("materials.toml").read_text(encoding="utf-8"))
 
 
 def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """`base` with `changes` put over it, table by table; a table that names another `model` replaces the old one."""
+    """Return `base` with `changes` put over it, table by table; a table that names another `model` replaces the old one."""
     if changes.get("model", base.get("model")) != base.get("model"):
         return dict(changes)
     out = dict(base)
@@ -250,7 +250,7 @@ def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]
 
 
 def complete(name: str, written: Any, user: str = "") -> Any:
-    """The full table of a material: the library's, or the one `based_on` names, under what the scene writes; what is written
+    """Return the full table of a material: the library's, or the one `based_on` names, under what the scene writes; what is written
     and no table is returned as it is.
 
     `user` is the key that names the material. Raises PockmarkError on an unknown name.

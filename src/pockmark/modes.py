@@ -66,7 +66,7 @@ class Mode:
 
 
 def measures_of(group: Group, heading: tuple[float, float] = (1.0, 0.0)) -> Measures:
-    """Of a group with two craters or more; of x and y the one nearer to the `heading` (unit vector) is along."""
+    """Return the measures of a group with two craters or more; of x and y the one nearer to the `heading` (unit vector) is along."""
     inside, outside = _by_place(group)
     directions = ("x", "y") if abs(heading[0]) >= abs(heading[1]) else ("y", "x")
     along, across = ([ridge for ridge in group.ridges if ridge.along == d] for d in directions)
@@ -83,7 +83,7 @@ def measures_of(group: Group, heading: tuple[float, float] = (1.0, 0.0)) -> Meas
 
 
 def mode_of(measures: Measures, *, oblique: bool) -> Mode:
-    """The mode, and how near the next one is."""
+    """Return the mode, and how near the next one is."""
     is_over = {name: value > THRESHOLDS[name] for name, value in asdict(measures).items()}
     number = _number(is_over, oblique)
     others = []
@@ -112,7 +112,7 @@ def _second(is_over: Mapping[str, bool]) -> int:
 
 
 def _touch(group: Group, ridge: Ridge) -> bool:
-    """The two share a hollow, or their rims have become one."""
+    """Return whether two craters share a hollow, or their rims have become one."""
     _, deeper = _depths(group, ridge)
     return ridge.height < -group.spacing / 2 or ridge.saddle < LEVEL * deeper < ridge.rim
 
@@ -123,7 +123,7 @@ def _is_linked(group: Group, ridge: Ridge) -> bool:
 
 
 def bottoms_of(group: Group) -> int:
-    """How many separate bottoms there are: craters with a levelled ridge between them have one."""
+    """Return how many separate bottoms there are: craters with a levelled ridge between them have one."""
     if not (n := len(group.pits)):
         return 0
     joined = np.zeros((n, n), dtype=bool)
@@ -142,7 +142,7 @@ def _depths(group: Group, ridge: Ridge) -> list[float]:
 
 
 def _by_place(group: Group) -> tuple[list[Pit], list[Pit]]:
-    """The craters with the most neighbours, and those with the fewest; all for both where all have as many."""
+    """Return the craters with the most neighbours, and those with the fewest; all for both where all have as many."""
     neighbours = np.zeros(len(group.pits), dtype=int)
     for ridge in group.ridges:
         neighbours[list(ridge.pair)] += 1
@@ -154,7 +154,7 @@ def _by_place(group: Group) -> tuple[list[Pit], list[Pit]]:
 
 
 def _difference(inside: Sequence[Pit], outside: Sequence[Pit]) -> float:
-    """Of the median axes and of their ratio, as a share of the outside ones."""
+    """Return the difference of the median axes and of their ratio, as a share of the outside ones."""
     shapes = [
         np.median([(e.major, e.minor, e.major / e.minor) for p in pits if (e := p.ellipse)], axis=0)
         for pits in (inside, outside)

@@ -63,7 +63,7 @@ class Group:
 
 
 def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
-    """The craters nearest to where the balls hit: `centers` (n, 2) of all balls, mirror images included, and the distance
+    """Return the craters nearest to where the balls hit: `centers` (n, 2) of all balls, mirror images included, and the distance
     of neighbours, m. Places without a crater deeper than half a spacing are left out."""
     floor = floor_of(surface)
     smooth = ndimage.gaussian_filter(floor, SMOOTH)
@@ -92,7 +92,7 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
 def _pits(
     surface: Surface, floor: Array, smooth: Array, basins: NDArray[np.int32], places: list[tuple[int, int]]
 ) -> list[Pit]:
-    """The craters with their lowest points in these columns, and the basins 1, 2, ... around them."""
+    """Return the craters with their lowest points in these columns, and the basins 1, 2, ... around them."""
     openings = Openings.of(surface)
     bowls = [openings.bowl(*ij) for ij in places]
     shared = Counter(bowl.number for bowl in bowls)
@@ -108,7 +108,7 @@ def _pits(
 
 
 def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -> tuple[int, int] | None:
-    """Column of the lowest point of the floor within `radius` of a place; None off the surface."""
+    """Return the column of the lowest point of the floor within `radius` of a place; None off the surface."""
     dx, dy = np.meshgrid(surface.x - center[0], surface.y - center[1], indexing="ij")
     near = np.maximum(abs(dx), abs(dy)) <= radius
     if not near.any():
@@ -118,7 +118,7 @@ def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -
 
 
 def _roughness(deviation: Array) -> float:
-    """Root mean square of what smoothing takes from a bottom; 0 of nothing."""
+    """Return the root mean square of what smoothing takes from a bottom; 0 of nothing."""
     return float(np.sqrt(np.mean(deviation**2))) if deviation.size else 0.0
 
 
@@ -131,7 +131,7 @@ def _outline(pithead: Pithead | None) -> tuple[Array | None, Ellipse | None, flo
 
 
 def _direction(apart: Array, pitch: float) -> str:
-    """Along which axis two balls are neighbours; empty if they are not."""
+    """Return the axis along which two balls are neighbours; empty if they are not."""
     for axis, name in enumerate("xy"):
         if abs(abs(apart[axis]) - pitch) < 0.5 * pitch and abs(apart[1 - axis]) < 0.5 * pitch:
             return name
@@ -139,7 +139,7 @@ def _direction(apart: Array, pitch: float) -> str:
 
 
 def _pass(floor: Array, basins: NDArray[np.int32], a: int, b: int) -> float | None:
-    """The lowest height at which one gets from a basin to another directly; None if they do not touch."""
+    """Return the lowest height at which one gets from a basin to another directly; None if they do not touch."""
     lowest = math.inf
     for axis in (0, 1):
         first, second = (np.take(basins, range(n, basins.shape[axis] - 1 + n), axis=axis) for n in (0, 1))
@@ -153,7 +153,7 @@ def _pass(floor: Array, basins: NDArray[np.int32], a: int, b: int) -> float | No
 def _rims(
     surface: Surface, floor: Array, a: tuple[float, float], b: tuple[float, float]
 ) -> tuple[float, float]:
-    """Height of the lower rim on the line between two places, and how far the ground between the rims lies below it."""
+    """Return the height of the lower rim on the line between two places, and how far the ground between the rims lies below it."""
     place = np.linspace(a, b, len(surface.x))
     height = interpn((surface.x, surface.y), floor, place)
     half = len(height) // 2

@@ -11,7 +11,7 @@ MAX_DEPTH = 20  # keys in a row; a scene has 5
 
 
 def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """The table with the change of the text; a body is named by its name or counted from 0. Raises PockmarkError."""
+    """Return the table with the change of the text; a body is named by its name or counted from 0. Raises PockmarkError."""
     change = _parse(text)
     bodies, changes = table.get("body"), change.get("body")
     if isinstance(bodies, list) and isinstance(changes, Mapping):
@@ -20,7 +20,7 @@ def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 
 def _parse(text: str) -> dict[str, Any]:
-    """ "a.b=value" as nested tables; the value is TOML, or else a plain text."""
+    """Return "a.b=value" as nested tables; the value is TOML, or else a plain text."""
     key, equals, value = text.partition("=")
     keys = [part.strip() for part in key.split(".")]
     if not equals or not all(keys) or len(keys) > MAX_DEPTH:
@@ -32,7 +32,7 @@ def _parse(text: str) -> dict[str, Any]:
 
 
 def _value(text: str) -> Any:
-    """As TOML has it, or else the plain text, which may have lines of its own."""
+    """Return the value as TOML has it, or else the plain text, which may have lines of its own."""
     try:
         table = tomllib.loads(f"v = {text}")
     except (ValueError, RecursionError):
@@ -41,7 +41,7 @@ def _value(text: str) -> Any:
 
 
 def _changed(bodies: list[Any], changes: Mapping[str, Any]) -> list[Any]:
-    """The bodies with the changes of those that are named."""
+    """Return the bodies with the changes of those that are named."""
     out = list(bodies)
     names = [body.get("name") if isinstance(body, Mapping) else None for body in bodies]
     for key, value in changes.items():

@@ -14,12 +14,12 @@ TRIES = 10_000  # places tried for one ball
 
 
 def sphere_diameter(flux: float, *, area: float, number: int, density: float) -> float:
-    """d_p, m (Eq. 29): `number` spheres of `density` (kg/m^3) over an `area` (m^2) at a flux (kg/m^2)."""
+    """Return d_p, m (Eq. 29): `number` spheres of `density` (kg/m^3) over an `area` (m^2) at a flux (kg/m^2)."""
     return math.cbrt(6 / math.pi * area * flux / (number * density))
 
 
 def require_few(number: float) -> None:
-    """Raises ValueError if a swarm would have more than MAX_BALLS balls; asked before any is made."""
+    """Raise ValueError if a swarm would have more than MAX_BALLS balls; asked before any is made."""
     if not number < MAX_BALLS + 0.5:
         raise ValueError(
             f"makes {number:.3g} balls, at most {MAX_BALLS} are allowed: has each length its unit?"
@@ -27,7 +27,7 @@ def require_few(number: float) -> None:
 
 
 def on_lattice(lower: Sequence[float], upper: Sequence[float], pitch: float) -> list[Place]:
-    """Centres (m) of the squares of side `pitch` that fit into the patch, x first. Raises ValueError if they are too many."""
+    """Return the centres (m) of the squares of side `pitch` that fit into the patch, x first. Raises ValueError if they are too many."""
     sides = [(u - w) / pitch + 1e-9 for w, u in zip(lower, upper, strict=True)]
     require_few(math.prod(float(n) for n in np.floor(sides)))
     x, y = (w + (np.arange(int(n)) + 0.5) * pitch for w, n in zip(lower, sides, strict=True))
@@ -37,7 +37,7 @@ def on_lattice(lower: Sequence[float], upper: Sequence[float], pitch: float) -> 
 def at_random(
     lower: Sequence[float], upper: Sequence[float], radius: float, number: int, seed: int
 ) -> list[Place]:
-    """`number` places (m) of balls of `radius` (m) whole in the patch and apart, one after another, each tried anew until it
+    """Return `number` places (m) of balls of `radius` (m) whole in the patch and apart, one after another, each tried anew until it
     is clear of those before. Raises ValueError if one finds none: such a patch is too full."""
     low, high = np.asarray(lower) + radius, np.asarray(upper) - radius
     if np.any(high < low):
@@ -57,7 +57,7 @@ def at_random(
 def _first_clear(
     random: np.random.Generator, placed: "_Placed", low: Array, high: Array
 ) -> tuple[Array | None, int]:
-    """The first of TRIES random places that is clear of those placed, or None, and how many were drawn."""
+    """Return the first of TRIES random places that is clear of those placed, or None, and how many were drawn."""
     drawn, batch = 0, 4
     while drawn < TRIES:
         tried = random.uniform(low, high, (min(batch, TRIES - drawn), 2))
@@ -73,7 +73,7 @@ class _Placed:
     """Places that are taken, in square cells at least as wide as a ball, so that only the nine next to a place matter."""
 
     def __init__(self, low: Array, high: Array, width: float, number: int) -> None:
-        """For `number` places between two corners (m), at least `width` (m) apart."""
+        """Prepare for `number` places between two corners (m), at least `width` (m) apart."""
         span = high - low
         self.low, self.width = low, width
         # A little wider than a ball against rounding, and not so small that there are many more cells than places.
@@ -86,7 +86,7 @@ class _Placed:
         self.count = 0
 
     def are_clear(self, tried: Array) -> NDArray[np.bool_]:
-        """Which places of (n, 2) are at least a width from all that are taken."""
+        """Return which places of (n, 2) are at least a width from all that are taken."""
         x, y = self._cell_of(tried).T
         near = self.cells[x[:, None] + AROUND_X, y[:, None] + AROUND_Y].reshape(len(tried), -1)
         apart = self.x[near] - tried[:, :1], self.y[near] - tried[:, 1:]

@@ -39,7 +39,7 @@ class Cast:
         return [i for i in range(len(self.names)) if i not in self.projectiles]
 
     def colour(self, body: int) -> str:
-        """White for a projectile; the targets differ."""
+        """Return white for a projectile; the targets differ."""
         return TARGETS[self.targets.index(body) % len(TARGETS)] if body in self.targets else "#ffffff"
 
 
@@ -58,7 +58,7 @@ class Cut:
 
     @classmethod
     def of(cls, snapshot: Fields, cast: Cast, plane: float, spacing: float, across: int = 1) -> "Cut":
-        """Through the plane y = `plane` (m), or x = `plane` with `across` 0; of points that are somewhere."""
+        """Return the slice through the plane y = `plane` (m), or x = `plane` with `across` 0; of points that are somewhere."""
         near = np.abs(snapshot["position"][:, across] - plane) < spacing
         near &= np.isfinite(snapshot["position"]).all(axis=1) & (snapshot["volume"] > 0)
         position, body = snapshot["position"][near] * 1e6, snapshot["body"][near]
@@ -79,7 +79,7 @@ class Cut:
         return _limits(self.x, self.z, self.z[~self.is_projectile])
 
     def draw(self, axes: Axes, colour: NDArray[Any]) -> None:
-        """The target's points in their colours, the projectile white, the original surface dotted."""
+        """Draw the target's points in their colours, the projectile white, the original surface dotted."""
         size = _marker_size(axes, self.width)
         target = ~self.is_projectile
         for part, painted in ((target, colour[target]), (self.is_projectile, "white")):
@@ -98,7 +98,7 @@ def slice_figure(
     across: int = 1,
     is_perforated: bool = False,
 ) -> Figure:
-    """Points within one `spacing` (m) of y = `plane`, or x = `plane` with `across` 0: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
+    """Draw the points within one `spacing` (m) of y = `plane`, or x = `plane` with `across` 0: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
     cut = Cut.of(snapshot, cast, plane, spacing, across)
     limits = cut.limits
     figure = Figure(figsize=_size(limits), layout="compressed")
@@ -132,7 +132,7 @@ def slice_figure(
 def process_figure(
     snapshots: Iterable[Fields], cast: Cast, *, plane: float, spacing: float, across: int = 1
 ) -> Figure:
-    """Effective stress above, pressure below, a column a snapshot: the panels of Liu et al. 2015, Figs. 5 and 8."""
+    """Draw effective stress above, pressure below, a column a snapshot: the panels of Liu et al. 2015, Figs. 5 and 8."""
     cuts = [Cut.of(snapshot, cast, plane, spacing, across) for snapshot in snapshots]
     limits = cuts[-1].limits
     wide, high = (end - start for start, end in limits)
@@ -157,7 +157,7 @@ def process_figure(
 
 
 def _limits(x: Array, z: Array, z_target: Array) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Of the axes, um: the whole target, and above it no more air than a third of the width."""
+    """Return the limits of the axes, um: the whole target, and above it no more air than a third of the width."""
     if len(x) == 0:
         return (-1.0, 1.0), (-1.0, 1.0)
     left, right, low = float(x.min()), float(x.max()), float(z.min())
@@ -168,7 +168,7 @@ def _limits(x: Array, z: Array, z_target: Array) -> tuple[tuple[float, float], t
 
 
 def _size(limits: tuple[tuple[float, float], tuple[float, float]]) -> tuple[float, float]:
-    """Of the figure, inches: as high as its panels need, so that nothing is left blank."""
+    """Return the size of the figure, inches: as high as its panels need, so that nothing is left blank."""
     (left, right), (low, high) = limits
     shape = (high - low) / (right - left)
     wide = min(5.4, 4.0 / shape)
@@ -176,7 +176,7 @@ def _size(limits: tuple[tuple[float, float], tuple[float, float]]) -> tuple[floa
 
 
 def _marker_size(axes: Axes, width_um: Array) -> Array:
-    """Area in points^2 of square markers `width_um` wide in data units, so that points tile the plane.
+    """Return the area in points^2 of square markers `width_um` wide in data units, so that points tile the plane.
 
     A quarter of a point more closes the hairlines that rounding to pixels leaves.
     """
@@ -186,7 +186,7 @@ def _marker_size(axes: Axes, width_um: Array) -> Array:
 
 
 def _mark_depth(axes: Axes, crater: Crater | None, across: int) -> None:
-    """An arrow in the crater; its length above the panel, where it hides nothing."""
+    """Draw an arrow in the crater; its length above the panel, where it hides nothing."""
     if crater is None:
         return
     x, depth = crater.bottom[1 - across] * 1e6, crater.depth * 1e6
@@ -204,7 +204,7 @@ def _name_targets(axes: Axes, cast: Cast) -> None:
 
 
 def history_figure(history: Fields) -> Figure:
-    """Energies, ledger error and crater depth against time."""
+    """Draw energies, ledger error and crater depth against time."""
     time, initial = history["time"] * 1e9, history["initial"]
     # Without an initial energy there are no shares of it.
     shares = bool(initial.all())

@@ -25,7 +25,7 @@ class Points:
 
 
 def make_points(scene: Scene) -> Iterator[Points]:
-    """All points of a scene, piece by piece; what lies behind a symmetry plane is dropped."""
+    """Make all points of a scene, piece by piece; what lies behind a symmetry plane is dropped."""
     for index, body in enumerate(scene.body):
         x = lattice(body, scene.grid.box)
         volume = point_volume(body)

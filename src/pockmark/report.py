@@ -13,7 +13,7 @@ Results = Mapping[str, Any]
 
 
 def report(result: Results) -> Table:
-    """The table that `pockmark run` and `measure` print."""
+    """Return the table that `pockmark run` and `measure` print."""
     table = Table(show_header=False, title="Crater")
     for sentence in result["doubts"]:
         table.add_row(literal("doubtful", "bold red"), literal(sentence, "bold red"))
@@ -36,7 +36,7 @@ def standing(status: str, time: float, snapshot_time: float, torn_rows: int) -> 
 
 
 def _shown(value: float | None, pattern: str, *, unit: float = 1.0) -> str:
-    """A number in multiples of `unit`, "-" where there is none."""
+    """Return a number in multiples of `unit`, "-" where there is none."""
     return "-" if value is None else pattern.format(value / unit)
 
 

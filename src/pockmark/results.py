@@ -48,7 +48,7 @@ EJECTA = (
 def field_of(
     snapshot: Mapping[str, NDArray[Any]], wall: Wall | None, mirrors: Sequence[Mirror]
 ) -> Field | None:
-    """The wall near its crater in a snapshot of all points; None if nothing of it is open, or the points are no longer anywhere."""
+    """Return the wall near its crater in a snapshot of all points; None if nothing of it is open, or the points are no longer anywhere."""
     if wall is None or wall.layers < LEAST_LAYERS or misplaced(snapshot):
         return None
     is_target = np.isin(snapshot["body"], wall.bodies)
@@ -57,14 +57,14 @@ def field_of(
 
 
 def misplaced(snapshot: Mapping[str, NDArray[Any]]) -> int:
-    """How many points have a place, velocity, volume or mass that is no number: then nothing can be measured."""
+    """Return how many points have a place, velocity, volume or mass that is no number: then nothing can be measured."""
     known = np.isfinite(snapshot["volume"]) & np.isfinite(snapshot["mass"])
     known &= np.isfinite(snapshot["position"]).all(axis=1) & np.isfinite(snapshot["velocity"]).all(axis=1)
     return int(np.count_nonzero(~known))
 
 
 def crater_of(surface: Surface | None, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
-    """The crater in the target's surface; None if there is none."""
+    """Return the crater in the target's surface; None if there is none."""
     return None if surface is None else measure_crater(surface, heading)
 
 
@@ -79,7 +79,7 @@ def morphology_table(
     mirrors: Sequence[Mirror],
     heading: tuple[float, float] = (1.0, 0.0),
 ) -> dict[str, Any]:
-    """The crater's shape, lining and uncertainties, SI; None for what there is not. `projectile_mass` in kg at the start,
+    """Return the crater's shape, lining and uncertainties, SI; None for what there is not. `projectile_mass` in kg at the start,
     `heading` the unit vector (x, y) that the projectiles move along."""
     shape: dict[str, Any] = dict.fromkeys(SHAPE)
     if field is None or crater is None:
@@ -110,7 +110,7 @@ def morphology_table(
 
 
 def hole_table(field: Field | None, hole: Hole | None) -> dict[str, Any]:
-    """The holes in the wall, and the widest one's least section, SI; the `uncertainty` of its widths. Of a wall: without one,
+    """Return the holes in the wall, and the widest one's least section, SI; the `uncertainty` of its widths. Of a wall: without one,
     or where a hole cannot be told from a crater, nothing is known."""
     table: dict[str, Any] = dict.fromkeys(HOLE) | {"perforated": hole is not None, "holes": 0}
     if field is None or hole is None:
@@ -133,7 +133,7 @@ def hole_table(field: Field | None, hole: Hole | None) -> dict[str, Any]:
 
 
 def depth_change(time: NDArray[np.float64], depth: NDArray[np.float64]) -> float | None:
-    """Between the largest and the least depth (m) in the last tenth of the time (s), as a share of the last one; None where a
+    """Return the difference between the largest and the least depth (m) in the last tenth of the time (s), as a share of the last one; None where a
     depth is missing there, or nothing was before."""
     if len(time) < 2 or not (start := 0.9 * time[-1]) > time[0] or not depth[-1] > 0:
         return None
@@ -142,7 +142,7 @@ def depth_change(time: NDArray[np.float64], depth: NDArray[np.float64]) -> float
 
 
 def group_table(group: Group, *, oblique: bool, heading: tuple[float, float] = (1.0, 0.0)) -> dict[str, Any]:
-    """The craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on, where no ball
+    """Return the craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on, where no ball
     went through. `heading`: the unit vector (x, y) that the projectiles move along."""
     table: dict[str, Any] = {
         "craters": len(group.pits),
@@ -169,7 +169,7 @@ def group_table(group: Group, *, oblique: bool, heading: tuple[float, float] = (
 
 
 def _axes(ellipse: Ellipse | None) -> dict[str, float | None]:
-    """Of a pithead; None where there is none."""
+    """Return the axes of a pithead; None where there is none."""
     return {
         "major_axis": ellipse.major if ellipse else None,
         "minor_axis": ellipse.minor if ellipse else None,
@@ -199,7 +199,7 @@ def ejecta_table(
     walls: Sequence[Sequence[int]],
     is_open: bool = False,
 ) -> dict[str, Any]:
-    """Ejecta in the grid and what left it, of the whole impact, SI; of what is in the grid None where points are no longer
+    """Return the ejecta in the grid and what left it, of the whole impact, SI; of what is in the grid None where points are no longer
     anywhere. `projectile_momentum`: into the target, of what is computed, at the start, kg m/s; `walls`: the target's bodies
     that touch; `is_open`: some fly through the wall, and beta is None."""
     n = copies(mirrors)
@@ -233,7 +233,7 @@ def result_table(
     run: Mapping[str, Any],
     counters: Mapping[str, int],
 ) -> dict[str, Any]:
-    """Nested results. Energies are shares of the initial kinetic energy, None where that is zero; E_i^r counts the
+    """Return nested results. Energies are shares of the initial kinetic energy, None where that is zero; E_i^r counts the
     points that left as they left. internal + kinetic + absorbed + left + pic + contact = 1 + ledger_error."""
     depth, diameter = (crater.depth, crater.diameter) if crater else (None, None)
     initial = ledger["initial"]

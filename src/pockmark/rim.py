@@ -24,21 +24,21 @@ class Rim:
 
 
 def crest_height(surface: Surface) -> Array:
-    """Highest point (nx, ny) of the target in each column, m; the lowest node where there is none."""
+    """Return the highest point (nx, ny) of the target in each column, m; the lowest node where there is none."""
     solid = surface.fraction > 0.5
     top = len(surface.z) - 1 - np.argmax(solid[:, :, ::-1], axis=2)
     return np.where(solid.any(axis=2), surface.crossing(top), surface.z[0])
 
 
 def mean_crest(surface: Surface, height: Array, centre: tuple[float, float]) -> float:
-    """Mean over directions from the centre (x, y; m) of the highest point, m."""
+    """Return the mean over directions from the centre (x, y; m) of the highest point, m."""
     dx, dy = np.meshgrid(surface.x - centre[0], surface.y - centre[1], indexing="ij")
     sector = np.floor((np.arctan2(dy, dx) / (2 * math.pi) % 1.0) * SECTORS).astype(int) % SECTORS
     return float(np.mean(ndimage.maximum(height, sector, np.unique(sector))))
 
 
 def rim_of(surface: Surface, height: Array, centre: tuple[float, float]) -> Rim | None:
-    """The rim around a centre (x, y; m); None where fewer than half of the directions have a crest."""
+    """Return the rim around a centre (x, y; m); None where fewer than half of the directions have a crest."""
     height = ndimage.median_filter(height, size=3)  # without what sticks out by a column or two
     angles = (np.arange(SECTORS) + 0.5) * 2 * math.pi / SECTORS
     found = [crest for angle in angles if (crest := _crest_along(surface, height, centre, angle))]
@@ -54,7 +54,7 @@ def rim_of(surface: Surface, height: Array, centre: tuple[float, float]) -> Rim 
 def _crest_along(
     surface: Surface, height: Array, centre: tuple[float, float], angle: float
 ) -> tuple[float, float] | None:
-    """Distance of the highest point in a direction, m, and how far around it the profile is as high to SIGMA spacings, m;
+    """Return the distance of the highest point in a direction, m, and how far around it the profile is as high to SIGMA spacings, m;
     None where it is no more than half a spacing above z = 0, or goes on rising to the edge."""
     h = surface.spacing
     reach = math.hypot(surface.x[-1] - surface.x[0], surface.y[-1] - surface.y[0])

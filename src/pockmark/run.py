@@ -93,13 +93,13 @@ def run_scene(
 
 
 def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:
-    """A last row and snapshot, so that the crater and the energies that are measured are of the same time."""
+    """Write a last row and snapshot, so that the crater and the energies that are measured are of the same time."""
     for task in tasks:
         task.act(simulation)
 
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
-    """What a run's manifest says at the end, beside what it has said from the start on."""
+    """Return what a run's manifest says at the end, beside what it has said from the start on."""
     scene = simulation.scene
     return {
         "status": status,
@@ -124,14 +124,14 @@ def _end(simulation: Simulation, status: str) -> dict[str, Any]:
 
 
 def treatments(scene: Scene) -> str:
-    """The failure treatment of each material used, as "material: treatment"."""
+    """Return the failure treatment of each material used, as "material: treatment"."""
     used = dict.fromkeys(b.material for b in scene.body)
     return ", ".join(f"{name}: {scene.materials[name].failure.treatment}" for name in used)
 
 
 @UNWARNED
 def measure_run(path: str | Path) -> dict[str, Any]:
-    """Crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
+    """Measure crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
     record = folder.record(scene.grid.cell_count)
@@ -160,7 +160,7 @@ def measures(
     history: Mapping[str, NDArray[np.float64]],
     said: Sequence[str] | None = None,
 ) -> dict[str, Any]:
-    """The tables of `measure_run`, of the state in a snapshot and what a run says of itself; the doubts that it `said`, None for
+    """Return the tables of `measure_run`, of the state in a snapshot and what a run says of itself; the doubts that it `said`, None for
     a run that did not come to say them."""
     wall = first_wall(scene)
     field = results.field_of(snapshot, wall, scene.mirrors)
@@ -270,7 +270,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
 
 
 def group_of(surface: Surface | None, scene: Scene) -> Group | None:
-    """The craters of the scene's swarm in the surface that it left; None without a swarm or a crater."""
+    """Return the craters of the scene's swarm in the surface that it left; None without a swarm or a crater."""
     swarms = [body for i in scene.projectiles if isinstance(body := scene.body[i], Swarm)]
     if not swarms or surface is None:
         return None
@@ -284,7 +284,7 @@ def group_of(surface: Surface | None, scene: Scene) -> Group | None:
 
 @UNWARNED
 def surface_of_run(path: str | Path) -> Surface | None:
-    """The target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
+    """Return the target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
     folder = RunFolder.open(path)
     scene = folder.scene()
     return _surface(_field(_in_the_grid(folder.last_snapshot(), scene), scene))
@@ -292,7 +292,7 @@ def surface_of_run(path: str | Path) -> Surface | None:
 
 @UNWARNED
 def plot_process(path: str | Path) -> Figure:
-    """Stress and pressure in the last four snapshots of a run folder."""
+    """Draw stress and pressure in the last four snapshots of a run folder."""
     folder = RunFolder.open(path)
     scene = folder.scene()
     snapshots = [_in_the_grid(Snapshot(file), scene) for file in folder.snapshots()[-4:]]
@@ -345,13 +345,13 @@ def _cast(scene: Scene) -> Cast:
 
 
 def _slice_axis(scene: Scene) -> int:
-    """The axis across the picture's slice: y, or x where the projectiles move rather along y."""
+    """Return the axis across the picture's slice: y, or x where the projectiles move rather along y."""
     x, y = scene.impact.heading
     return 1 if abs(x) >= abs(y) else 0
 
 
 def _slice_plane(scene: Scene) -> float:
-    """Where the picture's slice lies on that axis, m: at a symmetry plane, or else through the first projectile."""
+    """Return where the picture's slice lies on that axis, m: at a symmetry plane, or else through the first projectile."""
     axis = _slice_axis(scene)
     for mirror in scene.mirrors:
         if mirror.axis == axis:
@@ -362,12 +362,12 @@ def _slice_plane(scene: Scene) -> float:
 
 
 def _target_spacing(scene: Scene) -> float:
-    """The coarsest of the target's, m; the projectile's where there is no target."""
+    """Return the coarsest of the target's, m; the projectile's where there is no target."""
     return max(scene.body[i].spacing for i in scene.targets or scene.projectiles)
 
 
 def _projectile_mass(scene: Scene) -> float:
-    """Mass of the projectiles' points at the start, kg, of what is computed."""
+    """Return the mass of the projectiles' points at the start, kg, of what is computed."""
     bodies = [scene.body[i] for i in scene.projectiles]
     return sum(
         count(b, scene.grid.box) * point_volume(b) * scene.materials[b.material].density for b in bodies
@@ -375,7 +375,7 @@ def _projectile_mass(scene: Scene) -> float:
 
 
 def _projectile_diameter(scene: Scene) -> float:
-    """Diameter of the first projectile, a block's height, as its points fill it, m; 0 without one."""
+    """Return the diameter of the first projectile, a block's height, as its points fill it, m; 0 without one."""
     if not scene.projectiles:
         return 0.0
     body = scene.body[scene.projectiles[0]]

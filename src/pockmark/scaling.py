@@ -12,13 +12,13 @@ Array = NDArray[np.float64]
 
 
 def energy_flux(flux: float, speed: float, angle: float = 0.0) -> tuple[float, float]:
-    """E_f and its normal part E_f^n, J/m^2 (Eqs. 25, 26): flux kg/m^2, speed m/s, angle from the normal rad."""
+    """Return E_f and its normal part E_f^n, J/m^2 (Eqs. 25, 26): flux kg/m^2, speed m/s, angle from the normal rad."""
     total = 0.5 * flux * speed**2
     return total, total * math.cos(angle) ** 2
 
 
 def group_depth(flux: float, normal_speed: float) -> float:
-    """C_p, m (Eq. 33, which is in mm, ms, g): flux kg/m^2, v_p cos(theta) m/s; 0 up to the threshold of 422.5 m/s.
+    """Return C_p, m (Eq. 33, which is in mm, ms, g): flux kg/m^2, v_p cos(theta) m/s; 0 up to the threshold of 422.5 m/s.
 
     For Al 2024 on Al 2024 in the paper's pattern, 625 um^2 a sphere.
     """
@@ -37,12 +37,12 @@ class Fit:
     goodness: float
 
     def __call__(self, normal_speed: Array, root: float) -> Array:
-        """C_p/d_p at speeds (n,) m/s; `root` is sqrt(rho/Y), s/m."""
+        """Return C_p/d_p at speeds (n,) m/s; `root` is sqrt(rho/Y), s/m."""
         return _power(normal_speed * root, self.factor, self.threshold * root, self.exponent)
 
 
 def fit_depth(normal_speed: Array, depth_over_diameter: Array, *, density: float, strength: float) -> Fit:
-    """Least squares of Eqs. 31 and 32: v_p cos(theta) (n,) m/s, C_p/d_p (n,), of the target kg/m^3 and Pa, n > 3.
+    """Fit the constants of Eqs. 31 and 32: v_p cos(theta) (n,) m/s, C_p/d_p (n,), of the target kg/m^3 and Pa, n > 3.
 
     Raises ValueError for fewer points, RuntimeError if the fit does not converge.
     """

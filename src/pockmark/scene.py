@@ -227,7 +227,7 @@ class Scene(Model):
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
-        """Every fault that lies between the tables, at once."""
+        """Find every fault that lies between the tables, at once."""
         for i, body in enumerate(self.body):
             if body.material not in self.materials:
                 raise ValueError(
@@ -312,7 +312,7 @@ class Scene(Model):
                 yield f"output.{key}: found {interval:g} s, {least}"
 
     def _outside(self, key: str, body: Body) -> Iterator[str]:
-        """What a body's points fill lies in the grid, but for half a spacing of a `rounded` body, whose points themselves do; a
+        """Check that what a body's points fill lies in the grid, but for half a spacing of a `rounded` body, whose points themselves do; a
         sphere may be cut by a symmetry plane through its centre."""
         tolerance = 1e-9 * self.grid.cell
         lower, upper = body.box
@@ -331,11 +331,11 @@ class Scene(Model):
             yield f"{key}: reaches {beyond * 1e6:.4g} um outside the grid's face {face}"
 
     def to_dict(self) -> dict[str, Any]:
-        """Plain tables, SI numbers: from_dict gives the same scene back."""
+        """Return plain tables, SI numbers: from_dict gives the same scene back."""
         return self.model_dump(mode="json", exclude_none=True)
 
     def to_toml(self) -> str:
-        """The scene as TOML with every default written out, SI numbers."""
+        """Return the scene as TOML with every default written out, SI numbers."""
         return to_toml(self.to_dict())
 
     def save(self, path: str | Path) -> None:
@@ -379,7 +379,7 @@ class Scene(Model):
 
 
 def _unit(azimuth: float) -> tuple[float, float]:
-    """Its cosine and sine; those of a multiple of 90 degrees are exactly 0, 1 or -1."""
+    """Return the cosine and sine of an angle; those of a multiple of 90 degrees are exactly 0, 1 or -1."""
     quarters = round(azimuth / (math.pi / 2))
     rest = azimuth - quarters * (math.pi / 2)
     c, s = (1.0, 0.0) if abs(rest) < 1e-12 else (math.cos(rest), math.sin(rest))
@@ -393,7 +393,7 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
 
 
 def _unlawful(name: str, material: Material) -> Iterator[str]:
-    """What the core's own check of each law's constants says."""
+    """Say what the core's own check of each law's constants says."""
     try:
         material.to_core()
     except ValueError as error:
@@ -401,7 +401,7 @@ def _unlawful(name: str, material: Material) -> Iterator[str]:
 
 
 def _resolved(swarm: Swarm, density: float) -> Swarm:
-    """With what follows from its flux, its balls known to fit. Raises ValueError if they do not."""
+    """Return a swarm with what follows from its flux, its balls known to fit. Raises ValueError if they do not."""
     swarm = swarm.resolved(density)
     if not swarm.centers:
         raise ValueError("has no ball: the patch is smaller than a pitch, or the flux less than one ball's")

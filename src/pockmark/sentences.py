@@ -49,7 +49,7 @@ def _sentence(fault: ErrorDetails, model: type[BaseModel], meant: str) -> str:
 
 
 def _which_kind(key: str, fault: ErrorDetails, model: type[BaseModel]) -> str:
-    """A table that does not say which of its kinds it is."""
+    """Say that a table does not say which of its kinds it is."""
     *_, last = _walk(fault["loc"], model)
     selector, kinds = _kinds(last)
     what = "is missing" if selector not in fault["input"] else found(fault["input"][selector])
@@ -57,7 +57,7 @@ def _which_kind(key: str, fault: ErrorDetails, model: type[BaseModel]) -> str:
 
 
 def _key(location: Location, model: type[BaseModel]) -> str:
-    """("body", 0, "block", "radius") as "body[0].radius"."""
+    """Return ("body", 0, "block", "radius") as "body[0].radius"."""
     out = ""
     for part, annotation in zip(location, _walk(location, model), strict=False):
         if isinstance(part, int):
@@ -68,7 +68,7 @@ def _key(location: Location, model: type[BaseModel]) -> str:
 
 
 def _walk(location: Location, model: type[BaseModel]) -> Iterator[Any]:
-    """What is expected at each part of a location, `model` first, what the whole location names last."""
+    """Return what is expected at each part of a location, `model` first, what the whole location names last."""
     expected: Any = model
     for part in location:
         yield expected
@@ -77,7 +77,7 @@ def _walk(location: Location, model: type[BaseModel]) -> Iterator[Any]:
 
 
 def _next(expected: Any, part: int | str) -> Any:
-    """What is expected at a part of what is expected here; None where nothing is known."""
+    """Return what is expected at a part of what is expected here; None where nothing is known."""
     if part in (kinds := _kinds(expected)[1]):
         return _members(expected)[kinds.index(str(part))]
     if isinstance(expected, type) and issubclass(expected, Model):
@@ -92,7 +92,7 @@ def _next(expected: Any, part: int | str) -> Any:
 
 
 def _kinds(expected: Any) -> tuple[str, list[str]]:
-    """The key that says which of its kinds a table is, and what it may be: ("shape", ["block", "sphere", ...])."""
+    """Return the key that says which of its kinds a table is, and what it may be: ("shape", ["block", "sphere", ...])."""
     notes = get_args(expected)[1:] if get_origin(expected) is Annotated else ()
     for selector in (n.discriminator for n in notes if isinstance(n, FieldInfo)):
         if isinstance(selector, str):
@@ -102,12 +102,12 @@ def _kinds(expected: Any) -> tuple[str, list[str]]:
 
 
 def _members(expected: Any) -> tuple[Any, ...]:
-    """The tables that an annotated union has to choose from."""
+    """Return the tables that an annotated union has to choose from."""
     return get_args(get_args(expected)[0])
 
 
 def _meant(fault: ErrorDetails, model: type[BaseModel]) -> str:
-    """The key that is most like an unknown one: of its own table, or else of any; "" if none is."""
+    """Return the key that is most like an unknown one: of its own table, or else of any; "" if none is."""
     unknown = str(fault["loc"][-1])
     *_, table, _ = _walk(fault["loc"], model)
     own = set(table.model_fields) if isinstance(table, type) and issubclass(table, Model) else set()
@@ -118,5 +118,5 @@ def _meant(fault: ErrorDetails, model: type[BaseModel]) -> str:
 
 
 def _all_keys(model: type[Model] = Model) -> set[str]:
-    """The keys of every table of a scene."""
+    """Return the keys of every table of a scene."""
     return set(model.model_fields).union(*(_all_keys(table) for table in model.__subclasses__()))

@@ -23,7 +23,7 @@ class Task(Protocol):
     exact: bool  # whether the steps must land on its times, which costs about one a landing
 
     def act(self, simulation: "Simulation") -> None:
-        """Called at time 0, at each multiple of the interval or the first step beyond, and at the end."""
+        """Act at time 0, at each multiple of the interval or the first step beyond, and at the end."""
 
 
 class Simulation:
@@ -90,24 +90,24 @@ class Simulation:
         return self.point_steps / self.stepping_seconds if self.stepping_seconds > 0 else 0.0
 
     def field(self, name: str) -> NDArray[Any]:
-        """A field of the points by its name in `field_names`, (n,) or (n, components)."""
+        """Return a field of the points by its name in `field_names`, (n,) or (n, components)."""
         return np.asarray(self._solver.field(name))
 
     def volume_fraction(self, bodies: Sequence[int]) -> NDArray[np.float32]:
-        """Share of the space around each node, one outside of each face included, that the points of some bodies fill; half
+        """Return the share of the space around each node, one outside of each face included, that the points of some bodies fill; half
         of it at a face."""
         return np.asarray(self._solver.volume_fraction([i in bodies for i in range(len(self.scene.body))]))
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """All fields of all points."""
+        """Return all fields of all points."""
         return {name: self.field(name) for name in field_names()}
 
     def ledger(self) -> dict[str, float]:
-        """Where the energy is (J), momentum (kg m/s) and mass (kg)."""
+        """Return where the energy is (J), momentum (kg m/s) and mass (kg)."""
         return dict(self._solver.ledger())
 
     def counters(self) -> dict[str, int]:
-        """How often each clamp, floor and loss happened."""
+        """Return how often each clamp, floor and loss happened."""
         return dict(self._solver.counters())
 
     def impossible(self) -> dict[str, tuple[int, list[float], list[float]]]:
@@ -119,7 +119,7 @@ class Simulation:
         return dict(self._solver.impossible())
 
     def timers(self) -> dict[str, float]:
-        """Seconds spent in each phase of the step."""
+        """Return the seconds spent in each phase of the step."""
         return dict(self._solver.timers())
 
     @property
@@ -133,7 +133,7 @@ class Simulation:
         return int(self._solver.sleeping_points)
 
     def memory(self) -> dict[str, int]:
-        """Bytes of the points and of the grid."""
+        """Return the bytes of the points and of the grid."""
         return dict(self._solver.memory_bytes())
 
     @property
@@ -180,7 +180,7 @@ class Simulation:
 
 
 def thread_count(asked: int | None) -> int:
-    """The threads to use: every core for 0 or None. Raises PockmarkError where more could only be in each other's way."""
+    """Return the threads to use: every core for 0 or None. Raises PockmarkError where more could only be in each other's way."""
     cores = len(os.sched_getaffinity(0))
     most = 4 * cores
     if not 0 <= (asked or 0) <= most:
@@ -194,24 +194,24 @@ class LiveFields(Mapping[str, NDArray[Any]]):
     """The fields of a simulation as they are now, each copied only when it is asked for."""
 
     def __init__(self, simulation: Simulation) -> None:
-        """Of `simulation`, which must not step while they are read."""
+        """Read the fields of `simulation`, which must not step while they are read."""
         self._simulation = simulation
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """A field by its name."""
+        """Return a field by its name."""
         if name not in field_names():
             raise KeyError(name)
         return self._simulation.field(name)
 
     def __iter__(self) -> Iterator[str]:
-        """The names."""
+        """Return the names."""
         return iter(field_names())
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return how many there are."""
         return len(field_names())
 
 
 def field_names() -> list[str]:
-    """Names of all point fields, `body` and `id` included."""
+    """Return the names of all point fields, `body` and `id` included."""
     return [*(f["name"] for f in _core.fields()), "body", "id"]

@@ -56,11 +56,11 @@ class Snapshot(Mapping[str, NDArray[Any]]):
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:
-        """The names."""
+        """Return the names."""
         return iter(self._places)
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Return how many there are."""
         return len(self._places)
 
     def _dataset(self, root: h5py.Group, name: str, size: int) -> h5py.Dataset:
@@ -106,7 +106,7 @@ def write_snapshot(path: Path, fields: Mapping[str, NDArray[Any]], time_s: float
 
 
 def effective_stress(deviator: NDArray[np.float64]) -> NDArray[np.float64]:
-    """von Mises effective stress (n,) of deviators (n, 6) in the order xx, yy, zz, xy, yz, zx, Pa."""
+    """Return the von Mises effective stress (n,) of deviators (n, 6) in the order xx, yy, zz, xy, yz, zx, Pa."""
     twice = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # off the diagonal each component stands twice in s:s
     return np.asarray(np.sqrt(1.5 * np.einsum("ij,ij,j->i", deviator, deviator, twice)))
 

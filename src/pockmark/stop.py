@@ -24,7 +24,7 @@ class _Note:
 
 @contextmanager
 def heard_between_steps() -> Iterator[Callable[[], None]]:
-    """Within, these signals are only noted, however many; the function that is given raises KeyboardInterrupt then.
+    """Only note these signals within, however many; the function that is given raises KeyboardInterrupt then.
 
     So no file is torn, and an impatient second Ctrl-C does not lose what the first one keeps. One within another shares
     what the outer one has noted.

@@ -96,7 +96,7 @@ class RunFolder:
             self._lock = None
 
     def is_run(self) -> bool:
-        """Whether the folder holds a run of pockmark's, and not just some manifest.json."""
+        """Return whether the folder holds a run of pockmark's, and not just some manifest.json."""
         try:
             RunFolder.open(self.path)
         except PockmarkError:
@@ -112,7 +112,7 @@ class RunFolder:
                     file.unlink()
 
     def scene(self) -> Scene:
-        """The scene of the run. Raises PockmarkError if scene.toml is not what the run was started with."""
+        """Return the scene of the run. Raises PockmarkError if scene.toml is not what the run was started with."""
         path = self.path / "scene.toml"
         table, known = parse_toml(read_text(path), path), self.manifest()
         # The title was part of the hash before the physics was counted.
@@ -121,7 +121,7 @@ class RunFolder:
         return Scene.from_dict(table, source=str(path))
 
     def manifest(self) -> dict[str, Any]:
-        """manifest.json as a dictionary. Raises PockmarkError if it is none of pockmark's."""
+        """Return manifest.json as a dictionary. Raises PockmarkError if it is none of pockmark's."""
         path = self.path / MANIFEST
         text = read_text(path)
         try:
@@ -130,12 +130,12 @@ class RunFolder:
             raise PockmarkError(f"{path}: {error}") from None
 
     def status(self) -> str:
-        """How the run stands: running, finished, interrupted, failed, or killed, which it could not write itself."""
+        """Return how the run stands: running, finished, interrupted, failed, or killed, which it could not write itself."""
         status = str(self.manifest()["status"])
         return "killed" if status == "running" and holder(self.path) is None else status
 
     def record(self, cells: int) -> Measured:
-        """What the manifest says of the run's end; of a run without one, in `cells` cells, what its last row says."""
+        """Return what the manifest says of the run's end; of a run without one, in `cells` cells, what its last row says."""
         ended = self.status() not in UNENDED
         table = self.manifest() if ended else row_as_record(self.rows().last, cells)
         try:
@@ -152,18 +152,18 @@ class RunFolder:
         append_row(self.path / HISTORY, row)
 
     def rows(self) -> Rows:
-        """The rows of history.csv, without one that a process is at, or was when it was killed."""
+        """Return the rows of history.csv, without one that a process is at, or was when it was killed."""
         return read_rows(self.path / HISTORY, torn_end=self.status() in UNENDED)
 
     def history(self, *needed: str) -> dict[str, NDArray[np.float64]]:
-        """Columns of history.csv. Raises PockmarkError if one that is `needed` is missing."""
+        """Return the columns of history.csv. Raises PockmarkError if one that is `needed` is missing."""
         columns = self.rows().columns
         if missing := [name for name in needed if name not in columns]:
             raise PockmarkError(f"{self.path / HISTORY}: lacks the column {missing[0]}")
         return columns
 
     def snapshots(self) -> list[Path]:
-        """Snapshot files in the order of time."""
+        """Return the snapshot files in the order of time."""
         with told(self.path):
             numbered = {path: _number(path) for path in self.path.iterdir()}
         return sorted(
@@ -179,7 +179,7 @@ class RunFolder:
         return path
 
     def last_snapshot(self) -> Snapshot:
-        """Fields of the last snapshot; of a run that was killed, of the last whole one. Raises PockmarkError."""
+        """Return the fields of the last snapshot; of a run that was killed, of the last whole one. Raises PockmarkError."""
         found = self.snapshots()
         if not found:
             raise PockmarkError(f"{self.path}: holds no snapshot")
@@ -197,7 +197,7 @@ def _number(path: Path) -> int | None:
 
 
 def _start(scene: Scene) -> dict[str, Any]:
-    """What a run's manifest says from the start on."""
+    """Return what a run's manifest says from the start on."""
     return {
         "status": "running",
         "pockmark": __version__,
@@ -211,7 +211,7 @@ def _start(scene: Scene) -> dict[str, Any]:
 
 
 def machine() -> dict[str, Any]:
-    """The machine and the build: processor, cores, compiler."""
+    """Return the machine and the build: processor, cores, compiler."""
     model = platform.processor() or platform.machine()
     try:
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
@@ -230,7 +230,7 @@ def machine() -> dict[str, Any]:
 
 
 def commit() -> str | None:
-    """The git commit of the pockmark tree around this file ("-dirty" if its code changed since), or None."""
+    """Return the git commit of the pockmark tree around this file ("-dirty" if its code changed since), or None."""
     # A virtual environment inside somebody's own repository must not give that repository's commit.
     if _git("ls-files", "--error-unmatch", ":/src/pockmark/store.py") is None:
         return None
@@ -240,7 +240,7 @@ def commit() -> str | None:
 
 
 def _git(*arguments: str) -> str | None:
-    """Output of git in this file's folder, None if it fails or there is no git."""
+    """Return the output of git in this file's folder, None if it fails or there is no git."""
     try:
         out = subprocess.run(
             ["git", *arguments],
@@ -256,12 +256,12 @@ def _git(*arguments: str) -> str | None:
 
 
 def now() -> str:
-    """UTC, ISO 8601."""
+    """Return the time, UTC, ISO 8601."""
     return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
 
 
 def finite(value: Any) -> Any:
-    """The value, with None for what is no number (nan, inf) anywhere in its tables and lists: JSON has no word for it."""
+    """Return the value, with None for what is no number (nan, inf) anywhere in its tables and lists: JSON has no word for it."""
     if isinstance(value, Mapping):
         return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -270,5 +270,5 @@ def finite(value: Any) -> Any:
 
 
 def to_json(value: Any) -> str:
-    """JSON that every reader reads."""
+    """Return JSON that every reader reads."""
     return json.dumps(finite(value), indent=2, allow_nan=False)

@@ -70,12 +70,12 @@ def _measured(case: Case, out: Path, *, kept: bool = False) -> Outcome:
 
 
 def place(out: Path, case: Case) -> Path:
-    """The run's folder."""
+    """Return the run's folder."""
     return out / case.scene.hash
 
 
 def is_done(folder: Path) -> bool:
-    """Whether a finished run of this version and this physics is there."""
+    """Return whether a finished run of this version and this physics is there."""
     try:
         manifest = RunFolder.open(folder).manifest()
     except PockmarkError:
@@ -85,7 +85,7 @@ def is_done(folder: Path) -> bool:
 
 
 def summary(outcomes: Sequence[Outcome], title: str) -> Table:
-    """A row a run."""
+    """Return a row for each run."""
     table = Table("run", "C_p (um)", "D_c (um)", "E_i^r", "", title=literal(title, "table.title"))
     for outcome in outcomes:
         crater, energy = (outcome.result or {}).get("crater", {}), (outcome.result or {}).get("energy", {})
@@ -146,7 +146,7 @@ def make_report(script: Path, table: Path, runs: Path) -> None:
 
 
 def _made_by(folder: Path) -> dict[str, str]:
-    """Of a run: it may be older than what measures it. Empty for one that never began."""
+    """Return what made a run: it may be older than what measures it. Empty for one that never began."""
     try:
         manifest = RunFolder(folder).manifest()
     except PockmarkError:
@@ -156,7 +156,7 @@ def _made_by(folder: Path) -> dict[str, str]:
 
 
 def _run(scene: dict[str, Any], folder: str, threads: int) -> str:
-    """In a process of its own: run a scene; returns why it failed, or an empty text."""
+    """Run a scene in a process of its own; return why it failed, or an empty text."""
     try:
         # Coarse runs are a campaign's own business: it sweeps the resolution, and its quick form is coarse on purpose.
         _, finished = run_scene(
@@ -178,7 +178,7 @@ def _progress(console: Console) -> Progress:
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """("crater.depth", 1.5e-5), ...; tables within the table, such as a group's craters one by one, are left out."""
+    """Give ("crater.depth", 1.5e-5), ...; tables within the table, such as a group's craters one by one, are left out."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}.")

@@ -67,7 +67,7 @@ class Surface(OnNodes):
         return np.where(np.isin(inside, through), inside, 0)
 
     def crossing(self, k: NDArray[np.int64]) -> Array:
-        """Height (nx, ny), m, of one half between the nodes k (nx, ny), which are solid, and those above."""
+        """Return the height (nx, ny), m, of one half between the nodes k (nx, ny), which are solid, and those above."""
         i, j = np.indices(k.shape)
         solid, void = self.fraction[i, j, k], self.fraction[i, j, np.minimum(k + 1, len(self.z) - 1)]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -75,7 +75,7 @@ class Surface(OnNodes):
         return np.asarray(self.z[k] + np.clip(part, 0.0, 1.0) * (self.z[1] - self.z[0]))
 
     def section(self, axis: int, at: float) -> list[Array]:
-        """Lines (n, 2), m, where the surface cuts the plane x (`axis` 0), y or z = `at`; the other axes in their order.
+        """Return the lines (n, 2), m, where the surface cuts the plane x (`axis` 0), y or z = `at`; the other axes in their order.
         Empty where the plane lies outside."""
         nodes = (self.x, self.y, self.z)
         place = (at - nodes[axis][0]) / (nodes[axis][1] - nodes[axis][0])
@@ -93,7 +93,7 @@ class Field(OnNodes):
     """The target's volume fraction."""
 
     def surface(self, level: float = 0.5) -> Surface:
-        """With `level` as the fraction that is taken as the surface."""
+        """Return the surface with `level` as the fraction that is taken as the surface."""
         fraction = _outside(self.fraction - level + 0.5)
         return Surface(self.x, self.y, self.z, fraction, self.spacing, self.back, self.is_backed)
 
@@ -106,7 +106,7 @@ def target_field(
     mirrors: Sequence[Mirror] = (),
     wall: Wall | None = None,
 ) -> Field | None:
-    """Of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m, surface at z = 0.
+    """Return the field of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m, surface at z = 0.
 
     Whole about `mirrors`; within the sides of the `wall` that the points were. None where nothing below z = 0 is open.
     """
@@ -141,7 +141,7 @@ def _field_in(
     lower: Array,
     upper: Array,
 ) -> Field:
-    """The field in a box, and above it as high as the points reach; nodes are half a spacing apart from `origin` on."""
+    """Return the field in a box, and above it as high as the points reach; nodes are half a spacing apart from `origin` on."""
     lower, upper = lower.copy(), upper.copy()
     upper[2] = np.inf  # the rim
     near = np.all((position > lower - spacing) & (position < upper + spacing), axis=1)
@@ -163,19 +163,19 @@ def _field_in(
 
 
 def with_images(position: Array, values: Array, mirror: Mirror) -> tuple[Array, Array]:
-    """The points and their mirror images."""
+    """Return the points and their mirror images."""
     return with_image(position, mirror), np.concatenate([values, values])
 
 
 def with_image(position: Array, mirror: Mirror) -> Array:
-    """Places (n, 2 or 3) and their mirror images."""
+    """Return places (n, 2 or 3) and their mirror images."""
     image = position.copy()
     image[:, mirror.axis] = 2 * mirror.at - image[:, mirror.axis]
     return np.concatenate([position, image])
 
 
 def filling(position: Array, volume: Array, lower: Array, width: Array, shape: Sequence[int]) -> Array:
-    """Share (shape) of each cell lower + i width that the points fill; points elsewhere do not count."""
+    """Return the share (shape) of each cell lower + i width that the points fill; points elsewhere do not count."""
     cell = np.floor((position - lower) / width).astype(np.int64)
     inside = np.all((cell >= 0) & (cell < np.array(shape)), axis=1)
     flat = np.ravel_multi_index(tuple(cell[inside].T), tuple(shape))
@@ -191,7 +191,7 @@ def _neighbourhood(
     mirrors: Sequence[Mirror],
     wall: Wall | None,
 ) -> tuple[Array, Array] | None:
-    """Corners (m) of a box around what is open below z = 0: coarse cells less than half full that hang together with
+    """Return the corners (m) of a box around what is open below z = 0: coarse cells less than half full that hang together with
     the open ones just below the plane. Nothing counts that has left the wall sideways or through its back."""
     below = position[:, 2] < 0
     if not below.any():
@@ -228,7 +228,7 @@ def _neighbourhood(
 def _volume_fraction(
     position: Array, share: Array, first: NDArray[np.int64], last: NDArray[np.int64]
 ) -> Array:
-    """Volume fraction at the nodes first .. last, half a spacing apart; position and share in spacings.
+    """Return the volume fraction at the nodes first .. last, half a spacing apart; position and share in spacings.
 
     A tent of one spacing is the sum of three of half a spacing, weighted 1/2, 1, 1/2: eight nodes a point are enough.
     """
@@ -250,7 +250,7 @@ def _volume_fraction(
 
 
 def largest_piece(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The largest connected piece of what is solid; nothing of nothing."""
+    """Return the largest connected piece of what is solid; nothing of nothing."""
     labels, count = ndimage.label(solid)
     if count == 0:
         return np.zeros_like(solid)
@@ -258,7 +258,7 @@ def largest_piece(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def _outside(fraction: Array) -> Array:
-    """The fraction with only the voids that are open to the top, and then only the solid that hangs together.
+    """Return the fraction with only the voids that are open to the top, and then only the solid that hangs together.
 
     A cube two nodes (one point spacing) wide decides both: what is narrower, clefts between the points of a stretched
     wall, is filled, and what hangs on by less, debris on the rim, is off. Points resolve neither. A last node lets the
@@ -275,7 +275,7 @@ def _outside(fraction: Array) -> Array:
 def attached(
     position: Array, volume: Array, spacing: float, owner: NDArray[Any] | None = None
 ) -> NDArray[np.bool_]:
-    """Whether each point (n,) is in or next to what hangs together: of cells, two spacings wide, more than half full, the
+    """Return whether each point (n,) is in or next to what hangs together: of cells, two spacings wide, more than half full, the
     piece that holds most of all, or of each `owner` (n,), those below 0 left out: a wall behind another is no debris."""
     if len(position) == 0:
         return np.zeros(0, dtype=bool)
@@ -297,7 +297,7 @@ def attached(
 def _reached_by_cube(
     place: NDArray[np.bool_], choose: Callable[[NDArray[np.bool_]], NDArray[np.bool_]]
 ) -> NDArray[np.bool_]:
-    """Of a place, what the cube covers, and one node more, while its centre stays in what is chosen of where it fits."""
+    """Return of a place what the cube covers, and one node more, while its centre stays in what is chosen of where it fits."""
     cube = np.ones((3, 3, 3))
     centres = choose(ndimage.binary_erosion(place, cube, border_value=1))
     return np.asarray(ndimage.binary_dilation(centres, cube, iterations=2) & place)

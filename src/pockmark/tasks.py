@@ -17,7 +17,7 @@ class History:
     exact = False
 
     def __init__(self, folder: RunFolder, interval: float) -> None:
-        """`interval` in seconds of simulated time."""
+        """Set the interval, in seconds of simulated time."""
         self.folder, self.interval = folder, interval
         self.doubts = Doubts()
         self._written = -1.0
@@ -43,7 +43,7 @@ class Snapshots:
     exact = True
 
     def __init__(self, folder: RunFolder, interval: float) -> None:
-        """`interval` in seconds of simulated time."""
+        """Set the interval, in seconds of simulated time."""
         self.folder, self.interval = folder, interval
         self._written = -1.0
 
@@ -60,7 +60,7 @@ class ProgressBar:
     """Simulated time, rate, time left and depth on the terminal."""
 
     def __init__(self, simulation: Simulation) -> None:
-        """The bar starts at once; call close() at the end."""
+        """Start the bar at once; call close() at the end."""
         end = simulation.scene.end_time
         self._shown = float("-inf")
         self._bar = Progress(

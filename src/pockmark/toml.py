@@ -12,7 +12,7 @@ from .errors import PockmarkError
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """The tables of a file. Raises PockmarkError naming it."""
+    """Return the tables of a file. Raises PockmarkError naming it."""
     try:
         text = Path(path).read_text(encoding="utf-8")
     except OSError as error:
@@ -31,7 +31,7 @@ def parse_toml(text: str, path: str | Path) -> dict[str, Any]:
 
 
 def to_toml(table: Mapping[str, Any], prefix: str = "") -> str:
-    """Minimal TOML writer for the plain tables of a scene (tomllib only reads)."""
+    """Write the plain tables of a scene as TOML (tomllib only reads)."""
     lines = [f"{_key(k)} = {_value(v)}" for k, v in table.items() if not _is_table(v)]
     for key, value in table.items():
         path = prefix + _key(key)
@@ -44,12 +44,12 @@ def to_toml(table: Mapping[str, Any], prefix: str = "") -> str:
 
 
 def _key(key: str) -> str:
-    """As it is where TOML allows that, or else quoted."""
+    """Return a key as it is where TOML allows that, or else quoted."""
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _text(key)
 
 
 def _text(text: str) -> str:
-    """A basic string: JSON's escapes, but TOML knows no surrogates and wants DEL escaped."""
+    """Return a basic string: JSON's escapes, but TOML knows no surrogates and wants DEL escaped."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 

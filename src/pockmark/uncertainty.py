@@ -16,7 +16,7 @@ LEVELS = (0.5 - SIGMA, 0.5 + SIGMA)
 def uncertainties(
     crater: Crater, shifted: tuple[Crater | None, Crater | None], spacing: float
 ) -> dict[str, float | None]:
-    """Standard uncertainties, by the keys of the results, in the units of their values; None where one is not known.
+    """Return standard uncertainties, by the keys of the results, in the units of their values; None where one is not known.
 
     Half the difference of the measures of the `shifted` craters (at LEVELS); for centre, bottom, e1 and e2, which a
     common shift leaves as they are, what follows if either end of the axes is off by delta, and the floor by delta
@@ -50,5 +50,5 @@ def uncertainties(
 
 
 def half_difference(a: float | None, b: float | None) -> float | None:
-    """Of a measure at LEVELS, its standard uncertainty; None where either is not known."""
+    """Return for a measure at LEVELS its standard uncertainty; None where either is not known."""
     return None if a is None or b is None else abs(b - a) / 2

@@ -50,7 +50,7 @@ def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf)
 
 
 def _to_float(value: Any, unit: str) -> float:
-    """to_si without the checks of the number itself."""
+    """Convert like to_si, without the checks of the number itself."""
     if isinstance(value, bool):
         raise ValueError(f"{found(value)}, expected a quantity in {unit or 'no unit'}")
     if isinstance(value, int | float):
@@ -83,7 +83,7 @@ def _registry() -> pint.UnitRegistry[Any]:
 
 @lru_cache(maxsize=256)
 def _known(written: str, unit: str) -> Any:
-    """The unit that is written, as pint has it. Raises ValueError unless it is one of those allowed and measures what `unit`
+    """Return the unit that is written, as pint has it. Raises ValueError unless it is one of those allowed and measures what `unit`
     does."""
     registry = _registry()
     for name in re.findall(_NAME, written):
@@ -102,7 +102,7 @@ def _known(written: str, unit: str) -> Any:
 
 
 def quantity(unit: str, low: float = -math.inf, high: float = math.inf) -> BeforeValidator:
-    """How a key of a table is read that is a quantity in `unit`, from `low` to `high`."""
+    """Say how a key of a table is read that is a quantity in `unit`, from `low` to `high`."""
     return BeforeValidator(lambda value: to_si(value, unit, low, high))
 
 

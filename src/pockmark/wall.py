@@ -39,7 +39,7 @@ class Wall:
 
 
 def walls(scene: Scene) -> list[tuple[int, ...]]:
-    """The target's bodies (their indices) in groups that touch one another; what stands behind a gap is another wall."""
+    """Return the target's bodies (their indices) in groups that touch one another; what stands behind a gap is another wall."""
     left, found = list(scene.targets), []
     while left:
         group = [left.pop(0)]
@@ -51,7 +51,7 @@ def walls(scene: Scene) -> list[tuple[int, ...]]:
 
 
 def first_wall(scene: Scene) -> Wall | None:
-    """The wall, or those side by side, with a block whose top lies at z = 0, to half a point spacing; None without one."""
+    """Return the wall, or those side by side, with a block whose top lies at z = 0, to half a point spacing; None without one."""
     bodies = tuple(
         sorted(i for wall in walls(scene) if any(_is_at_zero(scene.body[i]) for i in wall) for i in wall)
     )
@@ -69,5 +69,5 @@ def _is_at_zero(body: Body) -> bool:
 
 
 def _touch(a: Body, b: Body) -> bool:
-    """Whether no gap of half a point spacing lies between the boxes of two bodies."""
+    """Return whether no gap of half a point spacing lies between the boxes of two bodies."""
     return box_gap(a, b) < max(a.spacing, b.spacing) / 2

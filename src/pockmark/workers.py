@@ -52,7 +52,7 @@ def _start(work: Callable[..., str], order: tuple[Any, ...]) -> tuple[SpawnProce
 
 
 def _work(sender: Connection, work: Callable[..., str], order: tuple[Any, ...]) -> None:
-    """In the process of its own."""
+    """Work in the process of its own."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     sender.send(work(*order))
 

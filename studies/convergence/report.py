@@ -83,14 +83,14 @@ def _against(row: Cells, paper: tuple[float, float]) -> dict[str, object]:
 
 
 def _depth(row: Cells) -> float:
-    """C_p in um, 0 where there is no crater."""
+    """Return C_p in um, 0 where there is no crater."""
     return float(row["crater.depth"] or 0) / 1e-6
 
 
 def _orders(
     models: Sequence[tuple[int, Cells]], paper: Sequence[tuple[float, float]]
 ) -> list[dict[str, object]]:
-    """Of three grids, each of half the cell of the one before (models 1, 3, 4): Richardson's order and limit."""
+    """Return, of three grids, each of half the cell of the one before (models 1, 3, 4): Richardson's order and limit."""
     single = {n: row for n, row in models if row["numerics.precision"] == "single"}
     ours = {
         "E_i^r": [float(single[n]["energy.residual_internal"]) for n in (1, 3, 4) if n in single],

@@ -6,7 +6,7 @@ from pockmark.store import RunFolder
 
 
 def ringing(folder: RunFolder) -> list[dict[str, object]]:
-    """A row for each kind of point: its kinetic energy (of the initial one) and that of the means of cubes of two cells."""
+    """Return a row for each kind of point: its kinetic energy (of the initial one) and that of the means of cubes of two cells."""
     points = folder.last_snapshot()
     initial = float(folder.history()["initial"][0])
     scene = folder.scene()
@@ -31,12 +31,12 @@ def ringing(folder: RunFolder) -> list[dict[str, object]]:
 
 
 def _kinetic(mass: np.ndarray, velocity: np.ndarray) -> float:
-    """Sum of m v^2 / 2 (J)."""
+    """Return the sum of m v^2 / 2 (J)."""
     return float(0.5 * (mass[:, None] * velocity**2).sum())
 
 
 def _of_blocks(position: np.ndarray, mass: np.ndarray, velocity: np.ndarray, size: float) -> float:
-    """The kinetic energy (J) of the mean velocities of cubes of edge `size` (m)."""
+    """Return the kinetic energy (J) of the mean velocities of cubes of edge `size` (m)."""
     key = np.floor(position / size).astype(int)
     key -= key.min(axis=0)
     _, cube = np.unique(np.ravel_multi_index(tuple(key.T), tuple(key.max(axis=0) + 1)), return_inverse=True)

@@ -42,6 +42,6 @@ EQUATION_32 = {"factor": 0.1292, "threshold": 422.5, "exponent": 0.9234, "goodne
 
 
 def mode(angle: float, flux: float, speed: float) -> int:
-    """1 for a, and so on: flux kg/m^2, speed m/s."""
+    """Return the paper's mode, 1 for a, and so on: flux kg/m^2, speed m/s."""
     letters = TABLE_4[round(angle), round(100 * flux, 3)]
     return 1 + LETTERS.index(letters[SPEEDS.index(round(speed))])

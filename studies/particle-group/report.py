@@ -48,7 +48,7 @@ def main() -> None:
 
 
 def table_4(rows: Sequence[Row], out: Path) -> None:
-    """The mode of each run, the paper's beside it."""
+    """Write the mode of each run, the paper's beside it."""
     keys = [
         "nearest_mode",
         "distance_to_it",
@@ -79,7 +79,7 @@ def table_4(rows: Sequence[Row], out: Path) -> None:
 
 
 def confusion(rows: Sequence[Row], out: Path) -> None:
-    """How often each of the paper's modes is which of ours, for normal and for oblique impact."""
+    """Count how often each of the paper's modes is which of ours, for normal and for oblique impact."""
     table = []
     for figure_number, part in (
         (17, [r for r in rows if r.angle == 0]),
@@ -94,7 +94,7 @@ def confusion(rows: Sequence[Row], out: Path) -> None:
 
 
 def table_5(rows: Sequence[Row], out: Path) -> None:
-    """Ranges of the energy fluxes (J/cm^2) of each of our modes; the paper's, with their misprints named."""
+    """Write the ranges of the energy fluxes (J/cm^2) of each of our modes; the paper's, with their misprints named."""
     names = ("E_f min", "E_f max", "E_f^n min", "E_f^n max")
     table = []
     for angle in (0, 15, 30):
@@ -120,7 +120,7 @@ def _named(names: Sequence[str], values: Sequence[float], whose: str) -> dict[st
 
 
 def figure_19(rows: Sequence[Row], out: Path) -> list[Statement]:
-    """The mean depths against the normal speed, and the fit of Eq. 31 with its intervals."""
+    """Draw the mean depths against the normal speed, and the fit of Eq. 31 with its intervals."""
     known = [row for row in rows if row.get("group.depth_mean") is not None]
     if len(known) <= 3:
         return []
@@ -194,7 +194,7 @@ def _depths(rows: Sequence[Row]) -> list[Statement]:
 
 
 def _ours(row: Row) -> int:
-    """0 where there is no group of craters."""
+    """Return our mode, 0 where there is no group of craters."""
     mode = row.get("group.mode")
     return int(mode) if mode is not None else 0
 

@@ -24,7 +24,7 @@ TOLERANCE = 0.02  # um: points of a line that the rest of it shows as well are l
 
 
 def keep_slices(rows: Sequence[Row], runs: Path, out: Path) -> None:
-    """One table a run, in `out`, of those whose folder is there; what an earlier call kept of others stays."""
+    """Write a table for each run, in `out`, of those whose folder is there; what an earlier call kept of others stays."""
     out.mkdir(exist_ok=True)
     for row in rows:
         if not (runs / row.scene).exists():
@@ -34,7 +34,7 @@ def keep_slices(rows: Sequence[Row], runs: Path, out: Path) -> None:
 
 
 def mode_pages(rows: Sequence[Row], slices: Path, out: Path) -> None:
-    """figure-17a.png to figure-18g.png: the three slices of every run that is of that mode here."""
+    """Draw figure-17a.png to figure-18g.png: the three slices of every run that is of that mode here."""
     for number, part in ((17, [r for r in rows if r.angle == 0]), (18, [r for r in rows if r.angle > 0])):
         for mode, letter in enumerate(paper.LETTERS, 1):
             of = [row for row in part if row.get("group.mode") == mode]

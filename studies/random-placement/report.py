@@ -15,7 +15,7 @@ from pockmark.store import RunFolder
 
 
 def main() -> None:
-    """A map of the craters of each seed with its mode, and their depths."""
+    """Draw a map of the craters of each seed with its mode, and their depths."""
     results, runs, out = map(Path, sys.argv[1:4])
     with results.open(newline="", encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if not row["fault"]]

@@ -46,7 +46,7 @@ def main() -> None:
 
 
 def figure_6(rows: Sequence[Row], out: Path) -> None:
-    """C_p/D_c against the speed."""
+    """Draw C_p/D_c against the speed."""
     with figure(out / "figure-6.png", "speed (km/s)", "$C_p/D_c$") as axes:
         _errorbars(axes, rows, "depth_over_diameter", "ours")
         axes.axhspan(0.56, 0.60, color="0.85", label="flight craters in aluminium (Love et al. 1995)")
@@ -56,7 +56,7 @@ def figure_6(rows: Sequence[Row], out: Path) -> None:
 
 
 def figure_7(rows: Sequence[Row], out: Path) -> None:
-    """C_p/d_p against the speed, and four equations."""
+    """Draw C_p/d_p against the speed, and four equations."""
     with figure(out / "figure-7.png", "speed (km/s)", "$C_p/d_p$") as axes:
         _errorbars(axes, rows, "depth_over_projectile_diameter", "ours")
         for (name, law), style in zip(EQUATIONS.items(), ("-", "--", "-.", ":"), strict=True):
@@ -67,25 +67,25 @@ def figure_7(rows: Sequence[Row], out: Path) -> None:
 
 
 def figure_9(rows: Sequence[Row], out: Path) -> None:
-    """C_p, D_max and D_min against the speed at each angle."""
+    """Draw C_p, D_max and D_min against the speed at each angle."""
     keys = {"depth": "$C_p$", "major_axis": "$D_{max}$", "minor_axis": "$D_{min}$"}
     _against_speed(out / "figure-9", rows, keys, "um", unit=1e-6)
 
 
 def figure_10(rows: Sequence[Row], out: Path) -> None:
-    """Positions of the bottom, C_xb, and of the pithead's centre, C_xs."""
+    """Draw the positions of the bottom, C_xb, and of the pithead's centre, C_xs."""
     keys = {"bottom_x": "$C_{xb}$", "centre_x": "$C_{xs}$"}
     _against_speed(out / "figure-10", rows, keys, "x in the scraping direction (um)", unit=1e-6)
 
 
 def figure_11(rows: Sequence[Row], out: Path) -> None:
-    """The eccentricity ratios."""
+    """Draw the eccentricity ratios."""
     keys = {"e1": "$e_1$", "e2": "$e_2$"}
     _against_speed(out / "figure-11", rows, keys, "$e_1$, $e_2$", level=0.0)
 
 
 def figure_12(rows: Sequence[Row], out: Path) -> None:
-    """The shape factors."""
+    """Draw the shape factors."""
     keys = {"depth_over_major_axis": "$C_p/D_{max}$", "depth_over_minor_axis": "$C_p/D_{min}$"}
     _against_speed(out / "figure-12", rows, keys, "shape factor", level=0.5)
 
@@ -99,7 +99,7 @@ def _against_speed(
     unit: float = 1.0,
     level: float | None = None,
 ) -> None:
-    """A line for each measure and angle, `level` as a dotted one, and the table."""
+    """Draw a line for each measure and angle, `level` as a dotted one, and the table."""
     with figure(path.with_suffix(".png"), "speed (km/s)", y) as axes:
         for (key, name), style in zip(keys.items(), ("-", "--", ":"), strict=False):
             for angle in sorted({row.angle for row in rows}):

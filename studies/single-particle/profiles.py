@@ -9,7 +9,7 @@ from pockmark.run import surface_of_run
 
 
 def profile_figure(rows: Sequence[Row], runs: Path, out: Path) -> None:
-    """Profiles on the plane of symmetry of the runs of the group `friction`, and of the sticky one beside them."""
+    """Draw profiles on the plane of symmetry of the runs of the group `friction`, and of the sticky one beside them."""
     frictional = [row for row in rows if row.friction is not None]
     if not frictional:
         return

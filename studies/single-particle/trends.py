@@ -17,7 +17,7 @@ Pair = tuple[str, bool]
 
 
 def statements(rows: Sequence[Row]) -> list[Statement]:
-    """Those for which there are runs."""
+    """Return the statements for which there are runs."""
     swept = [row for row in rows if row.friction is None and "panels" not in row.groups]
     by_angle = {angle: [row for row in swept if row.angle == angle] for angle in (0, 15, 30)}
     out = []
@@ -152,12 +152,12 @@ def _of_friction(frictional: Sequence[Row], oblique: Sequence[Row]) -> list[Stat
 
 
 def _relative(row: Row) -> float:
-    """Uncertainty of C_p over Eq. 22's."""
+    """Return the uncertainty of C_p over Eq. 22's."""
     return row.spread("depth_over_projectile_diameter") / equation_22(row.speed)
 
 
 def equation_22(speed: float) -> float:
-    """C_p/d_p of the volume-energy formula for the paper's aluminium, speed in m/s."""
+    """Return C_p/d_p of the volume-energy formula for the paper's aluminium, speed in m/s."""
     return volume_energy(speed, projectile_density=2770, target_strength=265e6)
 
 
@@ -166,7 +166,7 @@ def _shares(of: dict[float, float]) -> str:
 
 
 def _rises(source: str, text: str, rows: Sequence[Row], key: str) -> Statement:
-    """Whether no value falls below the one before by more than both uncertainties."""
+    """Return whether no value falls below the one before by more than both uncertainties."""
     falls = [(a, b) for a, b in pairwise(rows) if b[key] < a[key] - a.spread(key) - b.spread(key)]
     ends = " to ".join(_number(row[key]) for row in (rows[0], rows[-1]))
     where = "".join(f", falls from {a.speed:g} to {b.speed:g} m/s" for a, b in falls)
@@ -192,7 +192,7 @@ def _compared(
     key: str,
     right: Callable[[float, float], bool],
 ) -> Statement:
-    """Whether a measure compares so from each angle to the next, at every speed."""
+    """Return whether a measure compares so from each angle to the next, at every speed."""
     wrong, close, total = [], 0, 0
     for first, second in pairwise(angles):
         other = {row.speed: row for row in by_angle[second]}
@@ -225,5 +225,5 @@ def _each(source: str, text: str, rows: Sequence[Row], judge: Callable[[Row], Pa
 
 
 def _number(value: float) -> str:
-    """Lengths in um, ratios as they are."""
+    """Print lengths in um, ratios as they are."""
     return f"{value * 1e6:.2f} um" if value < 1e-2 else f"{value:.3f}"
