@@ -17,6 +17,7 @@ from pydantic import BeforeValidator
 from .errors import found
 
 MAX_LENGTH = 100  # characters of a text
+SMALLEST = 1e-100  # no quantity but 0 is nearer to 0: products and powers of one are still no 0
 
 # What a name may mean, in pint's own words; pint knows hundreds more, constants and plain numbers among them.
 UNITS = re.compile(
@@ -39,13 +40,16 @@ _QUANTITY = re.compile(rf" *({_NUMBER}) *((?:1?/ ?)?{_PART}(?: ?[*/] ?{_PART})*)
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
     """Convert a number (already SI) or a text with a unit to a float in `unit`, an SI unit such as "m/s".
 
-    Raises ValueError with one sentence on a wrong unit, on something that is no finite number, and below `low` or above `high`.
+    Raises ValueError with one sentence on a wrong unit, on something that is no finite number, nearer to 0 than SMALLEST, below
+    `low` or above `high`.
     """
     number = _to_float(value, unit)
     if not math.isfinite(number):
         raise ValueError(f"{found(value)}, expected a finite number")
     if not low <= number <= high:
         raise ValueError(f"{found(value)}, allowed is {low:g} to {high:g} {unit}".rstrip())
+    if 0 < abs(number) < SMALLEST:
+        raise ValueError(f"{found(value)}, nearer to 0 than any quantity: write 0")
     return number
 
 

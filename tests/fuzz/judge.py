@@ -76,20 +76,6 @@ def controls(text: str, allowed: str = "") -> str:
     )
 
 
-MAY_BE_ZERO = (
-    ".lower",
-    ".upper",
-    ".center",
-    ".gap",
-    ".height",
-    ".speed",
-    ".angle",
-    ".azimuth",
-    ".friction",
-    ".taylor_quinney",
-)
-
-
 def absurd(table: Mapping[str, Any], key: str = "") -> Iterator[str]:
     """Yield a fault for each number of an accepted scene that no physics has."""
     for name, value in table.items():
@@ -101,9 +87,7 @@ def _absurd(value: Any, key: str) -> Iterable[str]:
         return absurd(value, key)
     if isinstance(value, list):
         return (fault for item in value for fault in _absurd(item, key))
-    # What may be zero may be as near to it as it likes.
-    least = 0.0 if key.endswith(MAY_BE_ZERO) else SMALLEST
-    if isinstance(value, float) and value and not least < abs(value) < LARGEST:
+    if isinstance(value, float) and value and not SMALLEST < abs(value) < LARGEST:
         return [f"absurd value: {key} = {value:g}"]
     return []
 

@@ -132,11 +132,11 @@ FORGOTTEN = [
     ("pitch='20 um'\nflux=0.1\nradius='5 um'", "flux makes the radius"),
     ("seed=1\nnumber=3\nradius=5", "balls 10 m wide do not fit into the patch"),
     ("seed=1\nradius='0.5 um'\nflux=1", "balls, at most 5000 are allowed: has each length its unit?"),
-    ("seed=1\nradius=1e-200\nflux=1", "makes inf balls, at most 5000 are allowed"),
+    ("seed=1\nradius=1e-99\nflux=1", "balls, at most 5000 are allowed"),
     ("pitch='20 um'\nradius='5 um'\nlower=[-40,0]\nupper=[40,40]", "makes 8e+12 balls"),
     ("seed=1\nnumber=5000\nradius='5 um'\nlower=[-40,0]\nupper=[40,40]", "outside the grid's face"),
     ("pitch='20 um'\nradius='5 um'\nspacing=1.25", "a spacing of 1.25 m leaves it without points"),
-    ("pitch='20 um'\nradius='5 um'\nspacing=5e-324", "makes inf points"),
+    ("pitch='20 um'\nradius='5 um'\nspacing=5e-324", "nearer to 0 than any quantity"),
     ("pitch='20 um'\nradius='5 um'\nheight=10", "outside the grid's face z_upper"),
     ("seed='1'\nradius='5 um'\nnumber=2", "seed: found '1', input should be a valid integer"),
 ]
@@ -176,7 +176,7 @@ def test_a_forgotten_unit_is_answered_at_once_and_in_little_memory():
     assert done.returncode == 0
     answers = done.stdout.splitlines()
     assert len(answers) == len(texts)
-    for answer, (_, sentence) in zip(answers, [("", "makes inf points"), *FORGOTTEN], strict=True):
+    for answer, (_, sentence) in zip(answers, [("", "nearer to 0 than any quantity"), *FORGOTTEN], strict=True):
         assert sentence in answer
         assert float(answer.split()[0]) < 2
 
