@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "lanes.hpp"
 
@@ -60,6 +61,19 @@ struct Audit {
     Tally<V> out;
     out.wave_speed = V(number_t<V>(wave_speed));
     return out;
+  }
+  // Its numbers in a fixed order, and back. Counts are below 2^53.
+  static constexpr std::size_t size = counter_names.size() + 5;
+  void append_to(std::vector<double>& numbers) const {
+    numbers.insert(numbers.end(), counts.begin(), counts.end());
+    numbers.insert(numbers.end(), {wave_speed, volumetric_rate, compression, plastic_work, viscous_work});
+  }
+  static Audit from(const double* numbers) {
+    Audit audit;
+    for (auto& count : audit.counts) count = std::int64_t(*numbers++);
+    audit.wave_speed = numbers[0], audit.volumetric_rate = numbers[1], audit.compression = numbers[2];
+    audit.plastic_work = numbers[3], audit.viscous_work = numbers[4];
+    return audit;
   }
   void count(Counter c) { ++counts[std::size_t(c)]; }
   template <class Other>

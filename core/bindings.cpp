@@ -12,8 +12,9 @@
 #include <variant>
 
 #include "bandwidth.hpp"
-#include "solver.hpp"
-#include "surface_probe.hpp"
+#include "cpu/driver.hpp"
+#include "method/solver.hpp"
+#include "plain/driver.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -23,8 +24,12 @@ namespace {
 
 #ifdef POCKMARK_LANES
 constexpr bool has_lanes = true;
+template <class T>
+using CpuDriver = cpu::Driver<T, Lanes<T>>;
 #else
 constexpr bool has_lanes = false;
+template <class T>
+using CpuDriver = cpu::Driver<T, T>;
 #endif
 
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
@@ -86,8 +91,9 @@ struct StressProbe {
     const std::vector<Material<double>> materials{spec.as<double>()};
     const double reference_volume = mass * materials[0].specific_volume;
     const std::size_t n = states.size() / in;
-    Particles<double> points;
-    points.resize(n);
+    PointStore<double> store;
+    store.resize(n);
+    const auto points = store.view();
     std::vector<double> rows(out * n);
     const auto component = [&](int c, std::size_t p) -> double& {
       return c < 7 ? points.at(fields[c])[p] : points.at(Field::deviator, c - 7)[p];
@@ -97,7 +103,7 @@ struct StressProbe {
       for (int c = 0; c < in; ++c) component(c, p) = states.data()[p * in + c];
       component(0, p) = component(0, p) / reference_volume - 1;
     }
-    const auto update = [&](Particles<double>& of, std::size_t begin, std::size_t end) {
+    const auto update = [&](const Points<double>& of, std::size_t begin, std::size_t end) {
       const Block block{begin, end, true, 0, nullptr};
       StrainColumns<double> strains;
       for (std::size_t p = begin; p < end; ++p) {
@@ -108,10 +114,11 @@ struct StressProbe {
       }
       Audit audit;
       Columns<double, 6> push;
-      update_stress<V>(of, materials, cell, block, strains, {dt, dt, 0.5, 0.5}, audit, push);
+      update_stress<V, NoHints>(of, materials.data(), cell, block, strains, {dt, dt, 0.5, 0.5}, audit, push);
       return audit.wave_speed;
     };
-    auto alone = points;  // at rest and one by one, the fastest wave is the sound speed
+    auto copy = store;
+    const auto alone = copy.view();  // at rest and one by one, the fastest wave is the sound speed
     for (std::size_t p = 0; p < n; ++p) rows[p * out + in] = update(alone, p, p + 1);
     for (std::size_t begin = 0; begin < n; begin += Block::most)
       update(points, begin, std::min(begin + Block::most, n));
@@ -160,29 +167,29 @@ const FieldInfo& field_named(const std::string& name) {
 
 // A field between what the core keeps and what a user knows: the same, but for the volume, kept as V/V0 - 1,
 // and the mass, in a unit of the solver's.
-template <class T>
-double to_user(const Solver<T>& solver, Field field, std::size_t p, double kept) {
-  if (field == Field::mass) return kept * solver.mass_unit();
-  return field == Field::dilation ? (1 + kept) * solver.reference_volume(p) : kept;
+template <class D>
+double to_user(const Solver<D>& solver, Field field, std::size_t p, double kept) {
+  if (field == Field::mass) return kept * solver.model().mass_unit;
+  return field == Field::dilation ? (1 + kept) * solver.model().reference_volume(solver.points(), p) : kept;
 }
-template <class T>
-double from_user(const Solver<T>& solver, Field field, std::size_t p, double given) {
-  if (field == Field::mass) return given / solver.mass_unit();
-  return field == Field::dilation ? given / solver.reference_volume(p) - 1 : given;
+template <class D>
+double from_user(const Solver<D>& solver, Field field, std::size_t p, double given) {
+  if (field == Field::mass) return given / solver.model().mass_unit;
+  return field == Field::dilation ? given / solver.model().reference_volume(solver.points(), p) - 1 : given;
 }
 
 // A field of the points that have not left.
-template <class T>
-nb::object get_field(const Solver<T>& solver, const std::string& name) {
+template <class D>
+nb::object get_field(const Solver<D>& solver, const std::string& name) {
   const auto& points = solver.points();
-  const std::size_t n = solver.live_points();
+  const std::size_t n = solver.state().live;
   // `values(p)`: a row, as an array.
   const auto rows = [&](auto&& values) {
     using Row = decltype(values(std::size_t(0)));
     std::vector<typename Row::value_type> out;
     constexpr std::size_t columns = std::tuple_size_v<Row>;
     out.reserve(n * columns);
-    solver.for_each_point([&](std::size_t p) {
+    for_each_point(points, [&](std::size_t p) {
       const Row row = values(p);
       out.insert(out.end(), row.begin(), row.end());
     });
@@ -193,12 +200,12 @@ nb::object get_field(const Solver<T>& solver, const std::string& name) {
   const auto& info = field_named(name);
   if (info.field == Field::place)
     return rows([&](std::size_t p) {
-      const auto x = solver.position(p);
+      const auto x = position_of(solver.model().grid, points, p);
       return std::array{x.x, x.y, x.z};
     });
   if (info.field == Field::deviator)
     return rows([&](std::size_t p) {
-      const auto s = solver.settled_deviator(p);
+      const auto s = settled_deviator(solver.model(), points, p, typename D::Number(solver.state().dt));
       return std::array{double(s.xx), double(s.yy), double(s.zz), double(s.xy), double(s.yz), double(s.zx)};
     });
   const auto kept = [&](std::size_t p, int c) {
@@ -209,31 +216,33 @@ nb::object get_field(const Solver<T>& solver, const std::string& name) {
   return rows([&](std::size_t p) { return std::array{kept(p, 0)}; });
 }
 
-template <class T>
-void set_field(Solver<T>& solver, const std::string& name, Doubles values) {
-  auto& points = solver.points();
+template <class D>
+void set_field(Solver<D>& solver, const std::string& name, Doubles values) {
+  using T = typename D::Number;
+  const auto& points = solver.points();
   const auto& info = field_named(name);
   if (info.field == Field::place) throw std::invalid_argument("points are placed when they are added");
-  if (values.size() != solver.live_points() * info.components)
+  if (values.size() != std::size_t(solver.state().live) * info.components)
     throw std::invalid_argument(name + ": wrong size");
   solver.wake();
   const double* value = values.data();
-  solver.for_each_point([&](std::size_t p) {
+  for_each_point(points, [&](std::size_t p) {
     for (int c = 0; c < info.components; ++c)
       points.at(info.field, c)[p] = T(from_user(solver, info.field, p, *value++));
   });
 }
 
-template <class T>
-void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, Doubles position,
+template <class D>
+void add_points(Solver<D>& solver, const std::vector<MaterialSpec>& materials, Doubles position,
                 Doubles velocity, Doubles mass, Doubles volume,
                 nb::ndarray<const std::uint8_t, nb::c_contig, nb::device::cpu> body) {
-  auto& points = solver.points();
-  const std::size_t old = points.size(), n = mass.size();
+  using T = typename D::Number;
+  const std::size_t old = solver.points().count, n = mass.size();
   if (position.size() != 3 * n || velocity.size() != 3 * n || volume.size() != n || body.size() != n)
     throw std::invalid_argument("add_points: arrays of different lengths");
   if (old + n >= UINT32_MAX) throw std::invalid_argument("add_points: more than 4 billion points");
-  points.resize(old + n);
+  solver.resize(old + n);
+  const auto& points = solver.points();
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t p = old + i;
     if (body.data()[i] >= materials.size())
@@ -244,20 +253,20 @@ void add_points(Solver<T>& solver, const std::vector<MaterialSpec>& materials, D
     for (int a = 0; a < 3; ++a) points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
     // Points at the density of their material are kept with V/V0 - 1 = 0 exactly: they have no stress at all.
     const double density = materials[body.data()[i]].template as<double>().density();
-    points.at(Field::mass)[p] = T(mass.data()[i] / solver.mass_unit());
+    points.at(Field::mass)[p] = T(mass.data()[i] / solver.model().mass_unit);
     points.at(Field::dilation)[p] = T(volume.data()[i] * density / mass.data()[i] - 1);
     points.at(Field::temperature)[p] = T(materials[body.data()[i]].t_room);
     points.id[p] = std::uint32_t(p);
   }
 }
 
-template <class T>
-nb::dict get_ledger(const Solver<T>& solver) {
+template <class D>
+nb::dict get_ledger(const Solver<D>& solver) {
   const auto l = solver.ledger();
   const auto& momentum = l.momentum;
-  const auto& departed = solver.departed();
+  const auto& departed = solver.state().departed;
   nb::dict d;
-  d["time"] = solver.time();
+  d["time"] = solver.state().time;
   d["kinetic"] = l.kinetic, d["internal"] = l.internal, d["absorbed"] = l.absorbed,
   d["left_kinetic"] = l.left_kinetic, d["left_internal"] = l.left_internal;
   d["left_energy"] = l.left_kinetic + l.left_internal;
@@ -270,16 +279,59 @@ nb::dict get_ledger(const Solver<T>& solver) {
   return d;
 }
 
-template <class T>
+// Makes a dictionary of the parts of a solver: numbers, and arrays of which long ones are views that keep
+// `owner`.
+struct Saver {
+  static constexpr bool restores = false;
+  nb::dict& out;
+  nb::handle owner;
+
+  template <class V>
+  void operator()(const std::string& name, const V& number) {
+    out[name.c_str()] = number;
+  }
+  template <class V, class A>
+  void operator()(const std::string& name, const std::vector<V, A>& values) {
+    const std::size_t shape[1] = {values.size()};
+    if constexpr (std::is_same_v<A, std::allocator<V>>)
+      out[name.c_str()] = to_array(values, 1, shape);
+    else
+      out[name.c_str()] = nb::ndarray<nb::numpy, const V>(values.data(), 1, shape, owner);
+  }
+};
+
+// Takes the parts of a solver out of such a dictionary. Throws std::invalid_argument where one is missing.
+struct Restorer {
+  static constexpr bool restores = true;
+  const nb::dict& in;
+
+  nb::handle at(const std::string& name) const {
+    if (!in.contains(name.c_str())) throw std::invalid_argument(name + ": is missing");
+    return in[name.c_str()];
+  }
+  template <class V>
+  void operator()(const std::string& name, V& number) const {
+    if (!nb::try_cast(at(name), number)) throw std::invalid_argument(name + ": is no such number");
+  }
+  template <class V, class A>
+  void operator()(const std::string& name, std::vector<V, A>& values) const {
+    nb::ndarray<const V, nb::ndim<1>, nb::c_contig, nb::device::cpu> given;
+    if (!nb::try_cast(at(name), given, false)) throw std::invalid_argument(name + ": is no such array");
+    values.assign(given.data(), given.data() + given.size());
+  }
+};
+
+template <class D>
 struct PySolver {
+  using T = typename D::Number;
   std::vector<MaterialSpec> materials;
-  Solver<T> solver;
+  Solver<D> solver;
 
   PySolver(std::array<double, 3> lower, double cell, std::array<int, 3> cells, const std::vector<Face>& faces,
            std::vector<MaterialSpec> specs, const Options& options, int threads)
       : materials(std::move(specs)), solver(make(lower, cell, cells, faces, materials, options, threads)) {}
 
-  static Solver<T> make(std::array<double, 3> lower, double cell, std::array<int, 3> cells,
+  static Solver<D> make(std::array<double, 3> lower, double cell, std::array<int, 3> cells,
                         const std::vector<Face>& faces, const std::vector<MaterialSpec>& specs,
                         const Options& options, int threads) {
     if (faces.size() != 6) throw std::invalid_argument("faces: six are needed");
@@ -293,9 +345,9 @@ struct PySolver {
   }
 };
 
-template <class T>
+template <class D>
 void bind_solver(nb::module_& m, const char* name) {
-  using S = PySolver<T>;
+  using S = PySolver<D>;
   nb::class_<S>(m, name)
       .def(nb::init<std::array<double, 3>, double, std::array<int, 3>, const std::vector<Face>&,
                     std::vector<MaterialSpec>, const Options&, int>(),
@@ -303,7 +355,7 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(
           "set_contact",
           [](S& s, const std::vector<std::uint8_t>& in_second, double friction) {
-            if (s.solver.points().size() > 0)
+            if (s.solver.points().count > 0)
               throw std::invalid_argument("set_contact: comes before the points");
             s.solver.set_contact(in_second, friction);
           },
@@ -311,7 +363,7 @@ void bind_solver(nb::module_& m, const char* name) {
       .def(
           "let_fly", [](S& s, const std::vector<std::uint8_t>& flies) { s.solver.let_fly(flies); }, "flies"_a)
       .def(
-          "reserve", [](S& s, std::size_t points) { s.solver.points().reserve(points); }, "points"_a)
+          "reserve", [](S& s, std::size_t points) { s.solver.reserve(points); }, "points"_a)
       .def(
           "add_points",
           [](S& s, Doubles x, Doubles v, Doubles m, Doubles vol,
@@ -327,13 +379,13 @@ void bind_solver(nb::module_& m, const char* name) {
           },
           "max_steps"_a, "end_time"_a, "pause"_a = std::numeric_limits<double>::infinity(),
           nb::call_guard<nb::gil_scoped_release>())
-      .def_prop_ro("time", [](const S& s) { return s.solver.time(); })
-      .def_prop_ro("dt", [](const S& s) { return s.solver.dt(); })
-      .def_prop_ro("cycle", [](const S& s) { return s.solver.cycle(); })
-      .def_prop_ro("points", [](const S& s) { return s.solver.live_points(); })
+      .def_prop_ro("time", [](const S& s) { return s.solver.state().time; })
+      .def_prop_ro("dt", [](const S& s) { return s.solver.state().dt; })
+      .def_prop_ro("cycle", [](const S& s) { return s.solver.state().cycle; })
+      .def_prop_ro("points", [](const S& s) { return s.solver.state().live; })
       .def_prop_ro("cells",
                    [](const S& s) {
-                     const auto& c = s.solver.grid().geometry.cells;
+                     const auto& c = s.solver.model().grid.cells;
                      return std::int64_t(c[0]) * c[1] * c[2];
                    })
       .def(
@@ -347,10 +399,10 @@ void bind_solver(nb::module_& m, const char* name) {
           [](const S& s, const std::vector<std::uint8_t>& counts) {
             if (counts.size() != s.materials.size())
               throw std::invalid_argument("volume_fraction: a number a body is needed");
-            const auto& g = s.solver.grid().geometry;
+            const auto& g = s.solver.model().grid;
             const std::size_t shape[3] = {std::size_t(g.nodes(0)), std::size_t(g.nodes(1)),
                                           std::size_t(g.nodes(2))};
-            return to_array(volume_fraction(s.solver, counts), 3, shape);
+            return to_array(volume_fraction(s.solver.model(), s.solver.driver(), counts), 3, shape);
           },
           "counts"_a)
       .def("ledger", [](const S& s) { return get_ledger(s.solver); })
@@ -358,7 +410,7 @@ void bind_solver(nb::module_& m, const char* name) {
            [](const S& s) {
              nb::dict d;
              for (std::size_t i = 0; i < counter_names.size(); ++i)
-               d[counter_names[i]] = s.solver.audit().counts[i];
+               d[counter_names[i]] = s.solver.state().audit.counts[i];
              return d;
            })
       // Of the points that are in an impossible state now: how many, and the corners of a box around them
@@ -366,21 +418,27 @@ void bind_solver(nb::module_& m, const char* name) {
       .def("impossible",
            [](const S& s) {
              nb::dict d;
-             for (const auto& [counter, where] : s.solver.impossible())
+             for (const auto& [counter, where] : impossible(s.solver.model(), s.solver.points()))
                d[counter_names[std::size_t(counter)]] =
                    nb::make_tuple(where.points, where.lower, where.upper);
              return d;
            })
-      .def("max_compression", [](const S& s) { return s.solver.audit().compression; })
-      .def_prop_ro("sorts", [](const S& s) { return s.solver.sorts(); })
-      .def_prop_ro("sleeping_points", [](const S& s) { return s.solver.sleeping_points(); })
+      .def("max_compression", [](const S& s) { return s.solver.state().audit.compression; })
+      .def_prop_ro("sorts", [](const S& s) { return s.solver.driver().sorts(); })
+      .def_prop_ro("sleeping_points", [](const S& s) { return s.solver.driver().sleeping_points(); })
       .def("timers", [](const S& s) { return s.solver.timers().seconds(); })
+      // All that a step reads of the steps before it, by name; and back, into a solver without points.
+      .def("save",
+           [](nb::handle self) {
+             nb::dict out;
+             nb::cast<S&>(self).solver.for_each_part(Saver{out, self});
+             return out;
+           })
+      .def(
+          "restore", [](S& s, const nb::dict& parts) { s.solver.for_each_part(Restorer{parts}); }, "parts"_a)
       .def("memory_bytes", [](const S& s) {
-        const std::size_t n = s.solver.points().size(), nodes = s.solver.grid().before.size();
         nb::dict d;
-        // Fields, body, id, cell; the sorter's scratch and permutation; runs.
-        d["points"] = n * (component_count * sizeof(T) + 9 + sizeof(T) + 9) + s.solver.run_bytes();
-        d["grid"] = nodes * (4 * sizeof(Quad<T>) + 4) + s.solver.other_grid_bytes();
+        d["points"] = s.solver.driver().point_bytes(), d["grid"] = s.solver.node_bytes();
         return d;
       });
 }
@@ -479,15 +537,15 @@ NB_MODULE(POCKMARK_MODULE, m) {
       .def(
           "__init__",
           [](Options* self, Scheme scheme, ShapeFunction shape, double cfl, double strain_limit,
-             double pic_fraction, double mass_cutoff, bool lanes, bool sleep) {
-            if (lanes && !has_lanes) throw std::invalid_argument("this core was built without SIMD lanes");
-            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff, lanes, sleep};
+             double pic_fraction, double mass_cutoff, bool sleep) {
+            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff, sleep};
           },
-          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a, "lanes"_a,
-          "sleep"_a);
+          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a, "sleep"_a);
 
-  bind_solver<double>(m, "Solver");
-  bind_solver<float>(m, "SolverSingle");
+  bind_solver<CpuDriver<double>>(m, "Solver");
+  bind_solver<CpuDriver<float>>(m, "SolverSingle");
+  bind_solver<plain::Driver<double>>(m, "PlainSolver");
+  bind_solver<plain::Driver<float>>(m, "PlainSolverSingle");
 
   m.def("fields", [] {
     nb::list out;

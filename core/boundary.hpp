@@ -1,37 +1,40 @@
-// The six faces of the grid: fixed velocity components, mirror images, and transmitting tractions.
+// The six faces of the grid: fixed velocity components and mirror images.
 #pragma once
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdint>
-#include <vector>
 
+#include "grid.hpp"
 #include "shape.hpp"
-#include "state.hpp"
-#include "transfer.hpp"
 
 namespace pockmark {
 
 enum class Face { free, symmetry, fixed, transmitting };
 using Faces = std::array<Face, 6>;  // x_lower, x_upper, y_lower, y_upper, z_lower, z_upper
 
-// Calls f(node on the face, node one inside, node one outside) over a face with its padding, in each field.
-template <class T, class F>
-void for_each_face_node(const GridGeometry<T>& grid, int face, F&& f) {
-  const int axis = face / 2, b = (axis + 1) % 3, c = (axis + 2) % 3;
-  const bool upper = face % 2 == 1;
-  const int plane = upper ? grid.pad + grid.cells[axis] : grid.pad, inward = upper ? -1 : 1;
+// A node on a face, the one inside of it and the one outside, the padding of the grid included.
+struct FaceNode {
+  std::size_t on, inside, outside;
+};
+// Returns the node of a field at place (b, c) on a face: b and c count nodes along the two axes after the
+// face's own.
+template <class T>
+PM_HD FaceNode face_node(const GridGeometry<T>& grid, int face, std::size_t field, int b, int c) {
+  const int axis = face / 2, plane = face % 2 ? grid.pad + grid.cells[axis] : grid.pad;
+  const int inward = face % 2 ? -1 : 1;
+  int ijk[3];
+  ijk[(axis + 1) % 3] = b, ijk[(axis + 2) % 3] = c;
+  const auto node = [&](int offset) {
+    ijk[axis] = plane + offset;
+    return field * grid.node_count() + grid.index(ijk[0], ijk[1], ijk[2]);
+  };
+  return {node(0), node(inward), node(-inward)};
+}
+// Calls f(face node) over a face, in each field.
+template <class Driver, class T, class F>
+void for_each_face_node(const Driver& driver, const GridGeometry<T>& grid, int face, F&& f) {
+  const int b = (face / 2 + 1) % 3, c = (face / 2 + 2) % 3;
   for (std::size_t field = 0; field < grid.field_count; ++field)
-    for (int ib = 0; ib < grid.nodes(b); ++ib)
-      for (int ic = 0; ic < grid.nodes(c); ++ic) {
-        int ijk[3];
-        ijk[b] = ib, ijk[c] = ic;
-        const auto node = [&](int offset) {
-          ijk[axis] = plane + offset;
-          return field * grid.node_count() + grid.index(ijk[0], ijk[1], ijk[2]);
-        };
-        f(node(0), node(inward), node(-inward));
-      }
+    driver.for_each_pair(grid.nodes(b), grid.nodes(c),
+                         [&, field](int ib, int ic) { f(face_node(grid, face, field, ib, ic)); });
 }
 
 // A symmetry plane is a mirror, a fixed face one that also turns the tangential velocity round (so that it
@@ -43,132 +46,35 @@ inline int mirror_sign(Face face, int face_axis, int component) {
 
 enum class Mirrored { vector, magnitudes };
 
-template <class T>
-void fold(const GridGeometry<T>& grid, const Faces& faces, Array<Quad<T>>& field, Mirrored kind) {
-  for (int face = 0; face < 6; ++face)
-    if (is_mirror(faces[face]))
-      for_each_face_node(grid, face, [&](auto, auto inside, auto outside) {
-        auto image = field[outside];
-        if (kind == Mirrored::vector)
-          for (int c = 0; c < 3; ++c) image.v[c] *= T(mirror_sign(faces[face], face / 2, c));
-        field[inside] += image;
-        field[outside] = {};
-      });
-}
-
-// Velocity components that a face holds at zero, then the values behind the face.
-template <class T>
-void constrain(const GridGeometry<T>& grid, const Faces& faces, Array<Quad<T>>& velocity) {
-  for (int face = 0; face < 6; ++face)
-    if (is_mirror(faces[face]))
-      for_each_face_node(grid, face, [&](auto on, auto inside, auto outside) {
-        for (int c = 0; c < 3; ++c) {
-          const int sign = mirror_sign(faces[face], face / 2, c);
-          if (sign < 0) velocity[on].v[c] = T(0);
-          velocity[outside].v[c] = T(sign) * velocity[inside].v[c];
-        }
-      });
-}
-
-// What a transmitting face needs of a body's material.
-template <class T>
-struct Damper {
-  T normal, tangential;  // rho c_d, rho c_s
-  T specific_volume;     // 1/rho0
-};
-
-// The cells at transmitting faces behind which the target goes on: those that it filled at the start and has
-// never left since. What flies into another one is debris, and passes.
-class Anchorage {
- public:
-  // `flies`: the bodies that are no part of the target.
-  void let_fly(std::vector<std::uint8_t> flies) { flies_ = std::move(flies); }
-  // Holds every cell until the first renewal. Bodies of which nothing was said are the target's.
-  template <class T>
-  void begin(const GridGeometry<T>& grid, std::size_t bodies) {
-    flies_.resize(bodies);
-    held_.assign(grid.node_count(), 1), filled_.assign(grid.node_count(), 0);
-  }
-  bool flies(std::uint8_t body) const { return flies_[body] != 0; }
-
-  // Notes that the target fills a cell. Returns whether it is held there: in this cell, or in one beside it,
-  // so that a surface that moves by less than a cell changes nothing.
-  template <class T>
-  bool note(const GridGeometry<T>& grid, const int (&cell)[3], int axis) {
-    filled_[grid.index(cell[0], cell[1], cell[2])] = 1;
-    int low[3], high[3];
-    for (int a = 0; a < 3; ++a) {
-      const int reach = a == axis ? 0 : 1;
-      low[a] = std::max(cell[a] - reach, 0), high[a] = std::min(cell[a] + reach, grid.nodes(a) - 1);
-    }
-    for (int i = low[0]; i <= high[0]; ++i)
-      for (int j = low[1]; j <= high[1]; ++j)
-        for (int k = low[2]; k <= high[2]; ++k)
-          if (held_[grid.index(i, j, k)]) return true;
-    return false;
-  }
-  // Gives up the cells in which nothing was noted since the last time.
-  void renew() {
-    for (std::size_t cell = 0; cell < held_.size(); ++cell) held_[cell] &= filled_[cell];
-    std::fill(filled_.begin(), filled_.end(), std::uint8_t(0));
-  }
-  std::size_t bytes() const { return 2 * held_.size(); }
-
- private:
-  std::vector<std::uint8_t> flies_, held_, filled_;
-};
-
-// The share of a point, `depth` cells behind a face, in the layer of one cell there. It ends on a short
-// slope, not on the last bit of a place.
-template <class T>
-PM_HD T share_of_layer(T depth) {
-  constexpr T half_slope = T(1) / 16;
-  return min(max((T(1) + half_slope - depth) / (2 * half_slope), T(0)), T(1));
-}
-
-// Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the
-// layer of cells behind the face stands for the area V/h; projected onto the face it shares it among the
-// nodes there, so edges get a half and corners a quarter without special cases.
-template <class Shape, class T>
-void add_damping(const Particles<T>& points, Grid<T>& grid, const Faces& faces, const Run& run,
-                 const std::vector<Damper<T>>& dampers, Anchorage& anchorage) {
-  const auto& geometry = grid.geometry;
-  Quad<T>* nodes = grid.damping.data() + geometry.field_of(run.node);
-  bool near = false;
-  for (int a = 0; a < 3; ++a)
-    near = near || run.base[a] <= geometry.pad + 1 || run.base[a] >= geometry.pad + geometry.cells[a] - 3;
-  if (!near) return;
+// Adds what the nodes behind a mirror have to their images. Nothing stays behind it.
+template <class Driver, class T, Nodal quantity>
+void fold(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces, NodeField<T, quantity> nodes,
+          Mirrored kind) {
   for (int face = 0; face < 6; ++face) {
-    const int axis = face / 2;
-    if (faces[face] != Face::transmitting) continue;
-    const int layer = face % 2 ? geometry.pad + geometry.cells[axis] - 1 : geometry.pad;
-    if (run.base[axis] < layer - 2 || run.base[axis] > layer + 1)
-      continue;  // no point of this run reaches the layer
-    for (std::size_t p = run.begin; p < run.end; ++p) {
-      Vec3<T> f = points.vector(Field::place, p);
-      if (anchorage.flies(points.body[p])) continue;
-      const T depth = std::abs(T(run.base[axis] - (layer + face % 2)) + f[axis]);
-      const T share = share_of_layer(depth);
-      if (!(share > T(0))) continue;
-      int cell[3];
-      for (int a = 0; a < 3; ++a) cell[a] = a == axis ? layer : run.base[a] + int(std::floor(f[a]));
-      if (!anchorage.note(geometry, cell, axis)) continue;
-      // Projected onto the face; the linear stencil of an upper face ends on it.
-      int base[3] = {run.base[0], run.base[1], run.base[2]};
-      base[axis] = Shape::support == 2 ? layer : layer + face % 2 - 1;
-      f[axis] = T(layer + face % 2 - base[axis]);
-      const Stencil<Shape, T> n(f, geometry.per_metre);
-      const auto& damper = dampers[points.body[p]];
-      const T volume =
-          (T(1) + points.at(Field::dilation)[p]) * points.at(Field::mass)[p] * damper.specific_volume;
-      const T area = share * volume * geometry.per_metre;
-      Quad<T> per_direction;
-      for (int a = 0; a < 3; ++a) per_direction.v[a] = a == axis ? damper.normal : damper.tangential;
-      Patch<Shape, T>::for_each([&](int i, int j, int k) {
-        add_scaled(nodes[geometry.index(base[0] + i, base[1] + j, base[2] + k)], n.weight(i, j, k) * area,
-                   per_direction);
-      });
-    }
+    if (!is_mirror(faces[face])) continue;
+    for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
+      auto image = nodes[at.outside];
+      if (kind == Mirrored::vector)
+        for (int c = 0; c < 3; ++c) image.v[c] *= T(mirror_sign(faces[face], face / 2, c));
+      nodes[at.inside] += image;
+      nodes[at.outside] = {};
+    });
+  }
+}
+
+// Sets the components that a face holds to zero, then the vectors behind the face.
+template <class Driver, class T, Nodal quantity>
+void constrain(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
+               NodeField<T, quantity> nodes) {
+  for (int face = 0; face < 6; ++face) {
+    if (!is_mirror(faces[face])) continue;
+    for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
+      for (int c = 0; c < 3; ++c) {
+        const int sign = mirror_sign(faces[face], face / 2, c);
+        if (sign < 0) nodes[at.on].v[c] = T(0);
+        nodes[at.outside].v[c] = T(sign) * nodes[at.inside].v[c];
+      }
+    });
   }
 }
 

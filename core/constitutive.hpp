@@ -5,7 +5,7 @@
 #include "eos/linear.hpp"
 #include "eos/mie_gruneisen.hpp"
 #include "one_of.hpp"
-#include "state.hpp"
+#include "points.hpp"
 #include "strength/johnson_cook.hpp"
 #include "strength/simple.hpp"
 

@@ -13,6 +13,7 @@ namespace pockmark {
 template <class T>
 struct Meeting {
   std::size_t node;  // of the first field
+  T mass[2]{};       // of the two bodies there
   Vec3<T> normal{};  // out of the first body (18)
   // How far (m) each body reaches beyond the node: the first along the normal, the second against it.
   T reach[2] = {std::numeric_limits<T>::lowest() / 4, std::numeric_limits<T>::lowest() / 4};
@@ -39,8 +40,8 @@ PM_HD Vec3<T> unit(const Vec3<T>& a) {
 // Adds to the nodes, for each point of a run, its volume times the slope of their shape function (m^2 times
 // the cell) and, as the fourth number, times the function.
 template <class Shape, class T, class Volume>
-void add_surface(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                 Array<Quad<T>>& nodes, Volume&& volume) {
+void add_surface(const Points<T>& points, const GridGeometry<T>& grid, const Run& run, Surface<T> surface,
+                 Volume&& volume) {
   Patch<Shape, T> patch;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), T(1));
@@ -52,7 +53,7 @@ void add_surface(const Particles<T>& points, const GridGeometry<T>& grid, const 
                           w[0][i] * w[1][j] * g[2][k], n.weight(i, j, k)}});
     });
   }
-  patch.add_to(grid, run, nodes);
+  patch.add_to(grid, run, surface);
 }
 
 // The first body's outward normal (18), from what add_surface() found of each. The second body's surface
@@ -79,7 +80,7 @@ PM_HD Vec3<T> contact_impulse(const Vec3<T>& relative, T first_mass, T second_ma
 // Extends the reach of a run's body at the nodes where it meets another (19). `at(node)` is the meeting at a
 // node of the first field or null; `volume(p)` of a point in m^3.
 template <class Shape, class T, class At, class Volume>
-void add_reach(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run, At&& at,
+void add_reach(const Points<T>& points, const GridGeometry<T>& grid, const Run& run, At&& at,
                Volume&& volume) {
   const std::size_t field = grid.field_of(run.node);
   const int side = field == 0 ? 0 : 1;

@@ -2,8 +2,9 @@
 #pragma once
 #include <cstddef>
 
+#include "grid.hpp"
+#include "points.hpp"
 #include "shape.hpp"
-#include "state.hpp"
 
 namespace pockmark {
 
@@ -38,6 +39,14 @@ PM_HD void for_each_pack(const Range& range, F&& f) {
   if (p < end) f(p, int(end - p));
 }
 
+// The passes over the points of a block that read fields first. Before each pack a kernel calls
+// Hints::before<pass>(points, p): a driver may ask its memory for what comes next.
+enum class Pass { gradient, strain, pressure, velocity, last_strain };
+struct NoHints {
+  template <Pass pass, class T>
+  PM_HD static void before(const Points<T>&, std::size_t) {}
+};
+
 // Columns of numbers of the points of a block. Packs may write past their points' end: what follows is
 // written later, or is spare.
 template <class T, int count>
@@ -70,8 +79,9 @@ struct Patch {
       for (int j = 0; j < S; ++j)
         for (int k = 0; k < S; ++k) f(i, j, k);
   }
-  PM_HD void load(const GridGeometry<T>& grid, const Run& run, const Array<Quad<T>>& nodes) {
-    const Quad<T>* first = nodes.data() + run.node;
+  template <Nodal quantity>
+  PM_HD void load(const GridGeometry<T>& grid, const Run& run, NodeField<T, quantity> nodes) {
+    const Quad<T>* first = nodes.data + run.node;
     for_each([&](int i, int j, int k) { at[i][j][k] = first[grid.index(i, j, k)]; });
   }
   PM_HD void scale(T factor) {
@@ -80,8 +90,9 @@ struct Patch {
   PM_HD void subtract(const Patch& other) {
     for_each([&](int i, int j, int k) { at[i][j][k].v -= other.at[i][j][k].v; });
   }
-  PM_HD void add_to(const GridGeometry<T>& grid, const Run& run, Array<Quad<T>>& nodes) const {
-    Quad<T>* first = nodes.data() + run.node;
+  template <Nodal quantity>
+  PM_HD void add_to(const GridGeometry<T>& grid, const Run& run, NodeField<T, quantity> nodes) const {
+    Quad<T>* first = nodes.data + run.node;
     for_each([&](int i, int j, int k) { first[grid.index(i, j, k)] += at[i][j][k]; });
   }
 };
@@ -186,17 +197,17 @@ PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
 }
 
 // How a nodal velocity strains the points of a block in a time dt.
-template <class Shape, class V, class T>
-void gather_strain(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                   const Array<Quad<T>>& nodes, T dt, StrainColumns<T>& out) {
+template <class Shape, class V, class Hints, class T>
+void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                   Velocity<T> velocity, T dt, StrainColumns<T>& out) {
   for_each_run(block, [&](const Run& run) PM_INLINE {
     Patch<Shape, T> patch;
-    patch.load(grid, run, nodes);
+    patch.load(grid, run, velocity);
     patch.scale(T(0.5) * dt * grid.per_metre);
     const Interpolant<Shape, T> displacement(patch);
     using R = run_pack_t<V>;
     for_each_pack<R>(run, [&](std::size_t p, int n) PM_INLINE {
-      points.prefetch(p, Field::place);
+      Hints::template before<Pass::gradient>(points, p);
       R d[3][3];  // dt/2 d v_c / d x_a
       displacement.slopes(points.template vector<R>(Field::place, p, n), d);
       const Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
@@ -209,7 +220,7 @@ void gather_strain(const Particles<T>& points, const GridGeometry<T>& grid, cons
 
 // A nodal vector field at the points of a block; load(patch, run) fetches the nodes of a run.
 template <class Shape, class V, class T, class Load>
-void gather_values(const Particles<T>& points, const Block& block, Columns<T, 3>& out, Load&& load) {
+void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& out, Load&& load) {
   for_each_run(block, [&](const Run& run) PM_INLINE {
     Patch<Shape, T> patch;
     load(patch, run);
@@ -224,8 +235,8 @@ void gather_values(const Particles<T>& points, const Block& block, Columns<T, 3>
 
 // Momentum and mass of the points.
 template <class Shape, class T>
-void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                  Array<Quad<T>>& nodes) {
+void add_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Run& run,
+                  Momentum<T> momentum) {
   Patch<Shape, T> patch;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);
@@ -239,7 +250,7 @@ void add_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const
         for (int k = 0; k < Shape::support; ++k) add_scaled(patch.at[i][j][k], n.w[2][k], line);
       }
   }
-  patch.add_to(grid, run, nodes);
+  patch.add_to(grid, run, momentum);
 }
 
 // What the points of a block push their nodes with: -V sigma (J), its six components in their columns.
@@ -254,9 +265,9 @@ PM_HD void store_push(Columns<T, 6>& push, std::size_t i, const PointState<V>& p
 
 // f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
 template <class Shape, class T>
-void add_internal_force(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                        const Columns<T, 6>& push, const Run& run, Array<Quad<T>>& nodes) {
-  Patch<Shape, T> force;
+void add_internal_force(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                        const Columns<T, 6>& push, const Run& run, Force<T> force) {
+  Patch<Shape, T> sum;
   for (std::size_t p = run.begin; p < run.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);
     const auto s = [&](int c) { return push.load(c, p - block.begin); };
@@ -269,12 +280,12 @@ void add_internal_force(const Particles<T>& points, const GridGeometry<T>& grid,
         add_scaled(across, n.w[0][i] * n.g[1][j], column[1]);
         add_scaled(along, n.w[0][i] * n.w[1][j], column[2]);
         for (int k = 0; k < Shape::support; ++k) {
-          add_scaled(force.at[i][j][k], n.w[2][k], across);
-          add_scaled(force.at[i][j][k], n.g[2][k], along);
+          add_scaled(sum.at[i][j][k], n.w[2][k], across);
+          add_scaled(sum.at[i][j][k], n.g[2][k], along);
         }
       }
   }
-  force.add_to(grid, run, nodes);
+  sum.add_to(grid, run, force);
 }
 
 }  // namespace pockmark

@@ -8,8 +8,8 @@ namespace pockmark {
 // f(range of points, material) over the points of a block, in order: one range, unless bodies meet in the
 // block.
 template <class T, class F>
-PM_HD void for_each_material(const Particles<T>& points, const std::vector<Material<T>>& materials,
-                             const Block& block, F&& f) {
+PM_HD void for_each_material(const Points<T>& points, const Material<T>* materials, const Block& block,
+                             F&& f) {
   struct Range {
     std::size_t begin, end;
   };
@@ -52,13 +52,13 @@ struct PackList {
 };
 
 template <class V, class T>
-PM_HD V reference_volume(const Particles<T>& points, const Material<T>& material, std::size_t p, int n) {
+PM_HD V reference_volume(const Points<T>& points, const Material<T>& material, std::size_t p, int n) {
   return points.template load<V>(Field::mass, p, n) * material.specific_volume;
 }
 
 // The second stage: of the packs that may yield, those that do, with the increments of their plastic strain.
 template <class V, class T>
-PM_HD PackList return_to_yield(Particles<T>& points, const Block& block, const StressUpdate<V>& update,
+PM_HD PackList return_to_yield(const Points<T>& points, const Block& block, const StressUpdate<V>& update,
                                const PackList& may_yield, Columns<T, 1>& plastic, Tally<V>& tally) {
   PackList yield;
   const auto take_back = [&](std::size_t p, int n, PointState<V>& point, V trial,
@@ -92,17 +92,17 @@ PM_HD PackList return_to_yield(Particles<T>& points, const Block& block, const S
 }
 
 // Stress, damage, heat (3) from the strain of the points, and what they then push their nodes with.
-template <class V, class T = number_t<V>>
-void update_stress(Particles<T>& points, const std::vector<Material<T>>& materials, T cell,
-                   const Block& block, const StrainColumns<T>& strains, const StressStep<T>& step,
-                   Audit& audit, Columns<T, 6>& push) {
+template <class V, class Hints, class T = number_t<V>>
+void update_stress(const Points<T>& points, const Material<T>* materials, T cell, const Block& block,
+                   const StrainColumns<T>& strains, const StressStep<T>& step, Audit& audit,
+                   Columns<T, 6>& push) {
   Columns<T, 1> plastic;
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     const StressUpdate<V> update{material, cell, step.dt, step.step, step.old_share, step.new_share};
     auto tally = audit.tally<V>();
     PackList may_yield;
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-      points.prefetch(p, Field::dilation, Field::energy, Field::deviator);
+      Hints::template before<Pass::strain>(points, p);
       auto point = points.template state<V>(p, n);
       const auto strain = load_strain<V>(strains, p - block.begin);
       const bool yields = any(update.strain(point, strain, first_lanes<V>(n), tally));
@@ -111,8 +111,7 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
     });
     const auto yield = return_to_yield(points, block, update, may_yield, plastic, tally);
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-      points.prefetch(p, Field::velocity, Field::mass, Field::pressure, Field::viscosity,
-                      Field::plastic_strain, Field::temperature, Field::damage);
+      Hints::template before<Pass::pressure>(points, p);
       auto point = points.template state<V>(p, n);
       const auto strain = load_strain<V>(strains, p - block.begin);
       const V volume = reference_volume<V>(points, material, p, n);
@@ -136,7 +135,7 @@ void update_stress(Particles<T>& points, const std::vector<Material<T>>& materia
 
 // What the points push their nodes with, where their stress stays as it is.
 template <class V, class T = number_t<V>>
-void push_of_stress(const Particles<T>& points, const std::vector<Material<T>>& materials, const Block& block,
+void push_of_stress(const Points<T>& points, const Material<T>* materials, const Block& block,
                     Columns<T, 6>& push) {
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
@@ -148,26 +147,26 @@ void push_of_stress(const Particles<T>& points, const std::vector<Material<T>>& 
 
 // FLIP with a share of PIC: v += sum N (v_after - v_before) (6). Returns the kinetic energy that PIC took
 // (J).
-template <class Shape, class V, class T = number_t<V>>
-double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block& block, T pic) {
-  Columns<T, 3> change, after;
+template <class Shape, class V, class Hints, class T = number_t<V>>
+double update_velocities(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                         Velocity<T> before, Velocity<T> after, T pic) {
+  Columns<T, 3> change, now;
   gather_values<Shape, V>(points, block, change, [&](Patch<Shape, T>& patch, const Run& run) {
-    Patch<Shape, T> before;
-    patch.load(grid.geometry, run, grid.after);
-    before.load(grid.geometry, run, grid.before);
-    patch.subtract(before);
+    Patch<Shape, T> old;
+    patch.load(grid, run, after);
+    old.load(grid, run, before);
+    patch.subtract(old);
   });
   if (pic > T(0))
-    gather_values<Shape, V>(points, block, after, [&](Patch<Shape, T>& patch, const Run& run) {
-      patch.load(grid.geometry, run, grid.after);
-    });
+    gather_values<Shape, V>(points, block, now,
+                            [&](Patch<Shape, T>& patch, const Run& run) { patch.load(grid, run, after); });
   V taken = V(0);
   for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
-    points.prefetch(p, Field::place, Field::velocity, Field::mass);  // the mass is for the mapping
+    Hints::template before<Pass::velocity>(points, p);
     const auto flip =
         points.template vector<V>(Field::velocity, p, n) + change.template vector<V>(p - block.begin);
     if (!(pic > T(0))) return points.set_vector(Field::velocity, p, flip, n);
-    const auto v = V(T(1) - pic) * flip + V(pic) * after.template vector<V>(p - block.begin);
+    const auto v = V(T(1) - pic) * flip + V(pic) * now.template vector<V>(p - block.begin);
     const V lost = T(0.5) * points.template load<V>(Field::mass, p, n) * (dot(flip, flip) - dot(v, v));
     taken += select(first_lanes<V>(n), lost, V(0));
     points.set_vector(Field::velocity, p, v, n);
@@ -175,15 +174,13 @@ double update_velocities(Particles<T>& points, const Grid<T>& grid, const Block&
   return sum_of(taken);
 }
 
-// Moves the stress of the points through a strain (see follow_strain). Also asks the cache for what the
-// mapping that follows will read of them.
-template <class V, class T = number_t<V>>
-void strain_points(Particles<T>& points, const std::vector<Material<T>>& materials, const Block& block,
+// Moves the stress of the points through a strain (see follow_strain).
+template <class V, class Hints, class T = number_t<V>>
+void strain_points(const Points<T>& points, const Material<T>* materials, const Block& block,
                    const StrainColumns<T>& strains) {
   for_each_material(points, materials, block, [&](const auto& range, const Material<T>& material) {
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
-      points.prefetch(p, Field::dilation, Field::energy, Field::deviator, Field::pressure, Field::viscosity,
-                      Field::damage, Field::velocity, Field::mass);
+      Hints::template before<Pass::last_strain>(points, p);
       auto point = points.template state<V>(p, n);
       const auto strain = load_strain<V>(strains, p - block.begin);
       follow_strain(material, point, strain);
@@ -191,12 +188,6 @@ void strain_points(Particles<T>& points, const std::vector<Material<T>>& materia
     });
   });
 }
-
-// A point that left, and through which face.
-struct Exit {
-  std::size_t point;
-  int face;
-};
 
 // The face behind which a point lies, or -1: `f` cells from its first node `base`. Not-a-number counts as
 // outside.
@@ -210,11 +201,11 @@ PM_HD int face_crossed(const GridGeometry<T>& grid, const int (&base)[3], const 
   return -1;
 }
 
-// Gives a point that moved out of its stencil's reach a new one, or has it leave the grid. Returns whether it
-// changed its cell.
-template <class Shape, class T>
-PM_NOINLINE bool relocate(Particles<T>& points, const GridGeometry<T>& grid, std::size_t p,
-                          std::vector<Exit>& exits) {
+// Gives a point that moved out of its stencil's reach a new one, or has it leave the grid: leave(point,
+// face). Returns whether it changed its cell.
+template <class Shape, class T, class Leave>
+PM_NOINLINE bool relocate(const Points<T>& points, const GridGeometry<T>& grid, std::size_t p,
+                          Leave&& leave) {
   int base[3];
   grid.split(points.cell[p], base);
   auto f = points.vector(Field::place, p);
@@ -224,7 +215,7 @@ PM_NOINLINE bool relocate(Particles<T>& points, const GridGeometry<T>& grid, std
     base[a] += int(shift), f[a] -= shift;
   }
   const int face = face_crossed(grid, base, f);
-  if (face >= 0) exits.push_back({p, face});
+  if (face >= 0) leave(p, face);
   const std::size_t node = grid.field_of(points.cell[p]) + grid.index(base[0], base[1], base[2]);
   const std::uint32_t cell = face >= 0 ? gone : std::uint32_t(node);
   const bool changed = cell != points.cell[p];
@@ -233,17 +224,16 @@ PM_NOINLINE bool relocate(Particles<T>& points, const GridGeometry<T>& grid, std
   return changed;
 }
 
-// x += dt sum N v_after (6). Returns whether a point changed its cell.
-template <class Shape, class V, class T = number_t<V>>
-bool move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, T dt,
-                 std::vector<Exit>& exits) {
+// x += dt sum N v_after (6). Calls leave(point, face) for a point that leaves the grid. Returns whether a
+// point changed its cell.
+template <class Shape, class V, class T, class Leave>
+bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Block& block, Velocity<T> after,
+                 T dt, Leave&& leave) {
   bool changed = false;
-  const auto& geometry = grid.geometry;
   Columns<T, 3> velocity;
-  gather_values<Shape, V>(points, block, velocity, [&](Patch<Shape, T>& patch, const Run& run) {
-    patch.load(geometry, run, grid.after);
-  });
-  const T cells_per_speed = dt * geometry.per_metre;
+  gather_values<Shape, V>(points, block, velocity,
+                          [&](Patch<Shape, T>& patch, const Run& run) { patch.load(grid, run, after); });
+  const T cells_per_speed = dt * grid.per_metre;
   const V low = V(T(Shape::offset)), high = V(T(Shape::offset) + T(1));
   const auto inside = [&](V f) PM_INLINE { return low <= f && f < high; };
   for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
@@ -251,20 +241,34 @@ bool move_points(Particles<T>& points, const Grid<T>& grid, const Block& block, 
                    V(cells_per_speed) * velocity.template vector<V>(p - block.begin);
     points.set_vector(Field::place, p, f, n);
     if (any(!(inside(f.x) && inside(f.y) && inside(f.z)) && first_lanes<V>(n)))
-      for (int i = 0; i < n; ++i) changed |= relocate<Shape>(points, geometry, p + i, exits);
+      for (int i = 0; i < n; ++i) changed |= relocate<Shape>(points, grid, p + i, leave);
   });
   if (Shape::offset == 0) return changed;
   // These functions reach beyond the faces: a point can leave the grid and keep its stencil.
   for_each_run(block, [&](const Run& run) {
     bool rim = false;
     for (int a = 0; a < 3; ++a)
-      rim = rim || run.base[a] < geometry.pad || run.base[a] >= geometry.pad + geometry.cells[a] - 1;
+      rim = rim || run.base[a] < grid.pad || run.base[a] >= grid.pad + grid.cells[a] - 1;
     if (!rim) return;
     for (std::size_t p = run.begin; p < run.end; ++p)
-      if (points.cell[p] == run.node && face_crossed(geometry, run.base, points.vector(Field::place, p)) >= 0)
-        changed |= relocate<Shape>(points, geometry, p, exits);
+      if (points.cell[p] == run.node && face_crossed(grid, run.base, points.vector(Field::place, p)) >= 0)
+        changed |= relocate<Shape>(points, grid, p, leave);
   });
   return changed;
+}
+
+// Whether a step without motion would leave the points of a block as they are.
+template <class T>
+PM_HD bool rests(const Points<T>& points, const Block& block) {
+  for (std::size_t p = block.begin; p < block.end; ++p) {
+    const auto point = points.state(p);
+    const auto v = points.vector(Field::velocity, p);
+    if (!(v.x == T(0) && v.y == T(0) && v.z == T(0) && effective(point.deviator) == T(0) &&
+          point.dilation == T(0) && point.energy == T(0) && point.pressure == T(0) &&
+          point.viscosity == T(0)))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace pockmark

@@ -55,10 +55,10 @@ struct AxisWeights {
 #define PM_PICK(a, b, ...) __builtin_shufflevector(a, b, __VA_ARGS__)
 
 // Four components at the eight nodes as these hold them: four components a node.
-template <class T>
+template <class T, Nodal quantity>
 PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run,
-                        const Nodes<T> (&sum)[4][NodeLanes<T>::parts], Array<Quad<T>>& nodes) {
-  Quad<T>* const first = nodes.data() + run.node;
+                        const Nodes<T> (&sum)[4][NodeLanes<T>::parts], NodeField<T, quantity> nodes) {
+  Quad<T>* const first = nodes.data + run.node;
   for (int i = 0; i < 2; ++i) {
     Quad<T>* at[2] = {first + grid.index(i, 0, 0), first + grid.index(i, 1, 0)};
     if constexpr (NodeLanes<T>::parts == 2) {
@@ -95,8 +95,8 @@ PM_HD void spread(T f, const Nodes<T>& face, Nodes<T> (&out)[NodeLanes<T>::parts
 }
 
 template <class T>
-PM_HD void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>& grid, const Run& run,
-                              Array<Quad<T>>& nodes) {
+PM_HD void add_momentum_lanes(const Points<T>& points, const GridGeometry<T>& grid, const Run& run,
+                              Momentum<T> momentum) {
   const auto y = AxisWeights<T>::slow(), z = AxisWeights<T>::fast();
   const T* mass = points.at(Field::mass);
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
@@ -113,7 +113,7 @@ PM_HD void add_momentum_lanes(const Particles<T>& points, const GridGeometry<T>&
       sum[3][i] += weight[i];
     }
   } while (++p < run.end);
-  add_to_nodes(grid, run, sum, nodes);
+  add_to_nodes(grid, run, sum, momentum);
 }
 
 // The slopes along x, y and z of what the faces across them carry; of a node's two faces across an axis the
@@ -135,9 +135,8 @@ PM_HD void add_slopes(const Nodes<T>& by_x, const Nodes<T>& by_y, const Nodes<T>
 #undef PM_PICK
 
 template <class T>
-PM_HD void add_internal_force_lanes(const Particles<T>& points, const GridGeometry<T>& grid,
-                                    const Block& block, const Columns<T, 6>& push, const Run& run,
-                                    Array<Quad<T>>& nodes) {
+PM_HD void add_internal_force_lanes(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                                    const Columns<T, 6>& push, const Run& run, Force<T> force) {
   const auto slow = AxisWeights<T>::slow(), fast = AxisWeights<T>::fast();
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
           *fz = points.at(Field::place, 2);
@@ -156,32 +155,32 @@ PM_HD void add_internal_force_lanes(const Particles<T>& points, const GridGeomet
     add_slopes<T>(by_x[c], by_y[c], by_z[c], sum[c]);
     for (auto& part : sum[c]) part *= grid.per_metre;
   }
-  add_to_nodes(grid, run, sum, nodes);
+  add_to_nodes(grid, run, sum, force);
 }
 
 #endif
 
 // The kernels that a driver with shape functions `Shape` and numbers or packs `V` uses, over a block.
 template <class Shape, class V, class T = number_t<V>>
-void scatter_momentum(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                      Array<Quad<T>>& nodes) {
+void scatter_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                      Momentum<T> momentum) {
   for_each_run(block, [&](const Run& run) PM_INLINE {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-      return add_momentum_lanes(points, grid, run, nodes);
+      return add_momentum_lanes(points, grid, run, momentum);
 #endif
-    add_momentum<Shape>(points, grid, run, nodes);
+    add_momentum<Shape>(points, grid, run, momentum);
   });
 }
 template <class Shape, class V, class T = number_t<V>>
-void scatter_force(const Particles<T>& points, const GridGeometry<T>& grid, const Block& block,
-                   const Columns<T, 6>& push, Array<Quad<T>>& nodes) {
+void scatter_force(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                   const Columns<T, 6>& push, Force<T> force) {
   for_each_run(block, [&](const Run& run) PM_INLINE {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-      return add_internal_force_lanes(points, grid, block, push, run, nodes);
+      return add_internal_force_lanes(points, grid, block, push, run, force);
 #endif
-    add_internal_force<Shape>(points, grid, block, push, run, nodes);
+    add_internal_force<Shape>(points, grid, block, push, run, force);
   });
 }
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "../state.hpp"
+#include "../points.hpp"
 
 namespace pockmark::cpu {
 
@@ -11,7 +11,7 @@ namespace pockmark::cpu {
 template <class T>
 class Sorter {
  public:
-  void operator()(Particles<T>& points, std::size_t node_count, int threads) {
+  void operator()(PointStore<T>& points, std::size_t node_count, int threads) {
     const std::size_t n = points.size();
     first_.assign(node_count + 1, 0);
     bool sorted = true;

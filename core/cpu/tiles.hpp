@@ -3,9 +3,10 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <stdexcept>
 #include <vector>
 
-#include "../transfer.hpp"
+#include "blocks.hpp"
 
 namespace pockmark::cpu {
 
@@ -19,24 +20,63 @@ class Tiles {
 
   // Points must be sorted by cell.
   template <class T>
-  void locate(const Particles<T>& points, const GridGeometry<T>& grid) {
+  void locate(const Points<T>& points, const GridGeometry<T>& grid) {
     nodes_ = {grid.nodes(0), grid.nodes(1), grid.nodes(2)};
     along_ = (nodes_[0] + planes - 1) / planes, across_ = (nodes_[1] + rows - 1) / rows;
     tiles_.resize(along_ * across_);
-    begin_.assign(grid.field_count * nodes_[0] * across_ + 1, points.size());
+    begin_.assign(grid.field_count * nodes_[0] * across_ + 1, points.count);
     for (std::size_t field = 0; field < grid.field_count; ++field)
       for (int i = 0; i < nodes_[0]; ++i)
         for (int t = 0; t < across_; ++t) {
           const std::uint64_t first_node = field * grid.node_count() + grid.index(i, t * rows, 0);
           begin_[stretch(field, i, t)] =
-              std::lower_bound(points.cell.begin(), points.cell.end(), first_node) - points.cell.begin();
+              std::lower_bound(points.cell, points.cell + points.count, first_node) - points.cell;
         }
   }
   int count() const { return int(tiles_.size()); }
 
+  // The order of the points as a checkpoint keeps it: the blocks, tile by tile, and which tiles rest. Runs
+  // follow from the cells of the points. A sum of points depends on it.
+  struct Order {
+    std::vector<std::uint32_t> blocks;  // of each tile, how many
+    std::vector<std::uint32_t> begin, end;
+    std::vector<std::uint8_t> rest;  // of each tile: 1 if it rests, 2 if it sleeps, 4 if it idles
+  };
+  Order order() const {
+    Order order;
+    for (const Tile& tile : tiles_) {
+      order.blocks.push_back(std::uint32_t(tile.blocks.size()));
+      order.rest.push_back(std::uint8_t(tile.rests + 2 * tile.sleeps + 4 * tile.idles));
+      for (const Block& block : tile.blocks)
+        order.begin.push_back(std::uint32_t(block.begin)), order.end.push_back(std::uint32_t(block.end));
+    }
+    return order;
+  }
+  // Puts the order back. Throws std::invalid_argument if it is none of these points and this grid.
+  template <class T>
+  void restore(const Order& order, const Points<T>& points, const GridGeometry<T>& grid, int support) {
+    locate(points, grid);
+    std::size_t b = 0;
+    if (order.blocks.size() != tiles_.size() || order.rest.size() != tiles_.size() ||
+        order.begin.size() != order.end.size())
+      throw std::invalid_argument("the blocks are not those of this grid");
+    for (int t = 0; t < count(); ++t) {
+      Tile& tile = tiles_[t] = {};
+      for (std::uint32_t i = 0; i < order.blocks[t]; ++i, ++b) {
+        if (b >= order.begin.size() || order.begin[b] >= order.end[b] || order.end[b] > points.count)
+          throw std::invalid_argument("a block holds points that there are not");
+        add_blocks(points, grid, tile, order.begin[b], order.end[b]);
+      }
+      tile.rests = order.rest[t] & 1, tile.sleeps = order.rest[t] & 2, tile.idles = order.rest[t] & 4;
+      tile.link(0, 0);
+      find_touched(tile, support);
+    }
+    renew_spans();
+  }
+
   // Splits the points of every tile into blocks and runs. Points that are gone are in none.
   template <class T>
-  void split(const Particles<T>& points, const GridGeometry<T>& grid, int support, int threads) {
+  void split(const Points<T>& points, const GridGeometry<T>& grid, int support, int threads) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int t = 0; t < count(); ++t) split_tile(points, grid, support, t);
   }
@@ -121,7 +161,7 @@ class Tiles {
   // cell: then its points are split again. then(tile, block) may add to the nodes under the blocks that
   // result.
   template <class T, class F, class G>
-  void regroup(const Particles<T>& points, const GridGeometry<T>& grid, int support, int threads, F&& moved,
+  void regroup(const Points<T>& points, const GridGeometry<T>& grid, int support, int threads, F&& moved,
                G&& then) {
     by_colour(threads, [&](int t) { regroup_tile(points, grid, support, t, moved, then); });
   }
@@ -150,22 +190,6 @@ class Tiles {
   struct Span {
     int begin = INT32_MAX, end = INT32_MIN;
     void cover(const Span& other) { begin = std::min(begin, other.begin), end = std::max(end, other.end); }
-  };
-  // Blocks, and their runs in the same order.
-  struct Groups {
-    std::vector<Block> blocks;
-    std::vector<Run> runs;
-    void clear() { blocks.clear(), runs.clear(); }
-    void add(const Block& block) {
-      runs.insert(runs.end(), block.runs, block.runs + block.run_count);
-      blocks.push_back(block);
-    }
-    // The runs may have moved in memory.
-    void link(std::size_t first_block, std::size_t first_run) {
-      const Run* first = runs.data() + first_run;
-      for (std::size_t b = first_block; b < blocks.size(); ++b)
-        blocks[b].runs = first, first += blocks[b].run_count;
-    }
   };
   struct Tile : Groups {
     Span touched;        // by its own points
@@ -200,7 +224,7 @@ class Tiles {
   }
 
   template <class T>
-  void split_tile(const Particles<T>& points, const GridGeometry<T>& grid, int support, int t) {
+  void split_tile(const Points<T>& points, const GridGeometry<T>& grid, int support, int t) {
     Tile& tile = tiles_[t];
     tile.clear(), tile.astray = false;
     // The points of a tile are consecutive plane by plane, field by field.
@@ -214,7 +238,7 @@ class Tiles {
     find_touched(tile, support);
   }
   template <class T, class F, class G>
-  void regroup_tile(const Particles<T>& points, const GridGeometry<T>& grid, int support, int t, F&& moved,
+  void regroup_tile(const Points<T>& points, const GridGeometry<T>& grid, int support, int t, F&& moved,
                     G&& then) {
     thread_local Groups fresh;
     fresh.clear();
@@ -254,35 +278,6 @@ class Tiles {
     tile.touched.begin = std::max(tile.touched.begin - 2, 0);
     tile.touched.end = std::min(tile.touched.end + 2, nodes_[2]);
   }
-  template <class T>
-  static void add_blocks(const Particles<T>& points, const GridGeometry<T>& grid, Groups& groups,
-                         std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end;) p = add_block(points, grid, groups, p, end);
-  }
-  // Adds the block that begins with point p; returns where the next one begins.
-  template <class T>
-  static std::size_t add_block(const Particles<T>& points, const GridGeometry<T>& grid, Groups& groups,
-                               std::size_t p, std::size_t end) {
-    if (points.cell[p] == gone) return p + 1;
-    Block block{p, p, true, 0, nullptr};
-    end = std::min(end, p + Block::most);
-    while (block.end < end && points.cell[block.end] != gone) {
-      Run run;
-      run.begin = block.end, run.node = points.cell[run.begin];
-      grid.split(run.node, run.base);
-      while (++block.end < end && points.cell[block.end] == run.node) {
-      }
-      run.end = block.end;
-      groups.runs.push_back(run);
-      ++block.run_count;
-    }
-    unsigned differs = 0;
-    for (std::size_t q = p; q < block.end; ++q) differs |= points.body[q] ^ points.body[p];
-    block.one_body = differs == 0;
-    groups.blocks.push_back(block);
-    return block.end;
-  }
-
   // Where begin_ has the points of a field, a plane and a tile along y.
   std::size_t stretch(std::size_t field, int plane, int t) const {
     return (field * nodes_[0] + plane) * across_ + t;

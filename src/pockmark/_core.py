@@ -1,8 +1,13 @@
-"""The compiled core for this processor: AVX-512, AVX2 or scalar. POCKMARK_ISA=avx512|avx2|scalar forces one."""
+"""The compiled core for this processor: AVX-512, AVX2 or scalar.
+
+POCKMARK_ISA=avx512|avx2|scalar forces one. POCKMARK_DRIVER=plain takes the plain driver instead of the CPU's: slow, and what
+the other is held against.
+"""
 
 import importlib
 import os
 import sys
+from typing import Any
 
 # A thread that waits for the others looks again for some microseconds and then sleeps. Spinning for longer, as OpenMP does
 # unless told, takes the core from the thread that is waited for wherever something else runs too: ten times slower on a
@@ -16,15 +21,24 @@ from . import _core_scalar
 _supported = _core_scalar.supported_isas()
 
 
-def _choose() -> str:
-    forced = os.environ.get("POCKMARK_ISA", "")
-    if forced and forced not in _supported:
-        allowed = ", ".join(_supported)
+def _choose(variable: str, allowed: list[str]) -> str:
+    """Return what a variable of the environment says, the first of those allowed where it says nothing."""
+    forced = os.environ.get(variable, "")
+    if forced and forced not in allowed:
         print(
-            f"pockmark: POCKMARK_ISA: '{forced}' found, allowed on this processor: {allowed}", file=sys.stderr
+            f"pockmark: {variable}: '{forced}' found, allowed on this processor: {', '.join(allowed)}",
+            file=sys.stderr,
         )
         raise SystemExit(2)
-    return forced or _supported[0]
+    return forced or allowed[0]
 
 
-globals().update(vars(importlib.import_module(f"pockmark._core_{_choose()}")))
+DRIVER = _choose("POCKMARK_DRIVER", ["cpu", "plain"])
+_module = importlib.import_module(f"pockmark._core_{_choose('POCKMARK_ISA', _supported)}")
+globals().update(vars(_module))
+
+
+def solver(*, single: bool, driver: str = DRIVER) -> Any:
+    """Return the class of the solvers of a precision and a driver, "cpu" or "plain"."""
+    name = ("PlainSolver" if driver == "plain" else "Solver") + ("Single" if single else "")
+    return getattr(_module, name)

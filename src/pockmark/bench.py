@@ -46,7 +46,7 @@ def bench_scene(points: int, overrides: tuple[str, ...] = ()) -> Scene:
 
 
 def bench(scene: Scene, threads: int, *, compare: bool = True) -> dict[str, Any]:
-    """Step the scene through the window, and then with the scalar driver (`compare`); figures in SI, ready for JSON."""
+    """Step the scene through the window, and then with the plain driver (`compare`); figures in SI, ready for JSON."""
     simulation = Simulation(scene, threads)
     measured = _measure(simulation, END)
     seconds, points, steps = measured.seconds, measured.points, measured.steps
@@ -79,10 +79,9 @@ def bench(scene: Scene, threads: int, *, compare: bool = True) -> dict[str, Any]
             for phase, s in seconds.items()
         },
     }
-    if compare and build["lanes"]:
-        scalar = Simulation(scene, threads, lanes=False)
-        result["scalar_particle_steps_per_second"] = _measure(scalar, END).rate
-        result["lanes_over_scalar"] = rate / result["scalar_particle_steps_per_second"]
+    if compare:
+        plain = _measure(Simulation(scene, driver="plain"), END).rate
+        result |= {"plain_particle_steps_per_second": plain, "over_plain": rate / plain}
     return result
 
 

@@ -168,8 +168,8 @@ def bench(
         f"({result['isa']}); copy bandwidth {result['copy_bandwidth'] / 1e9:.1f} GB/s, "
         f"{result['share_of_copy_bandwidth']:.0%} of it used; {result['bytes_per_point']:.0f} bytes a point"
     )
-    if "lanes_over_scalar" in result:
-        console.print(f"{result['lanes_over_scalar']:.2f} times the scalar driver")
+    if "over_plain" in result:
+        console.print(f"{result['over_plain']:.2f} times the plain driver, on one thread")
 
 
 @app.command()

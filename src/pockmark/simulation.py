@@ -30,44 +30,42 @@ class Simulation:
     """The state of one scene. Positions etc. come as copies in SI, in the core's current order."""
 
     def __init__(
-        self, scene: Scene, threads: int | None = None, lanes: bool | None = None, sleep: bool = True
+        self,
+        scene: Scene,
+        threads: int | None = None,
+        *,
+        parts: Mapping[str, Any] | None = None,
+        driver: str = _core.DRIVER,
+        sleep: bool = True,
     ) -> None:
-        """Make the points and the grid. Raises PockmarkError on a body without points or too many threads.
+        """Make the points and the grid, or go on from the `parts` that another simulation of the scene has saved.
 
-        `lanes=False` takes the scalar driver, the reference, where the core has SIMD lanes; `sleep=False` steps
-        what is at rest too, with the same result.
+        `driver="plain"` steps a point at a time on one thread: the reference. `sleep=False` steps what is at rest too,
+        with the same result. Raises PockmarkError on a body without points, too many threads, or parts that do not fit.
         """
         self.scene = scene
         self.threads = thread_count(threads)
         self.stepping_seconds = 0.0
         self.point_steps = 0
-        numerics = scene.numerics
-        kind = _core.Solver if numerics.precision == "double" else _core.SolverSingle
-        self._solver = kind(
-            lower=scene.grid.lower,
-            cell=scene.grid.cell,
-            cells=scene.grid.cells,
-            faces=[getattr(_core.Face, kind) for kind in scene.boundary.faces],
-            materials=[scene.materials[b.material].to_core() for b in scene.body],
-            options=_core.Options(
-                scheme=getattr(_core.Scheme, numerics.scheme),
-                shape=getattr(_core.ShapeFunction, numerics.shape_functions),
-                cfl=numerics.cfl,
-                strain_limit=numerics.strain_limit,
-                pic_fraction=numerics.pic_fraction,
-                mass_cutoff=numerics.mass_cutoff,
-                lanes=_core.build_info()["lanes"] if lanes is None else lanes,
-                sleep=sleep,
-            ),
-            threads=self.threads,
-        )
-        self._solver.let_fly([b.projectile for b in scene.body])
-        if scene.contact:
-            self._solver.set_contact([b.projectile for b in scene.body], scene.contact.friction)
-        self._solver.reserve(sum(count(body, scene.grid.box) for body in scene.body))
-        for piece in make_points(scene):
-            self._solver.add_points(piece.position, piece.velocity, piece.mass, piece.volume, piece.body)
-        self._solver.initialize()
+        self._solver = _make_solver(scene, self.threads, driver, sleep=sleep)
+        if parts is None:
+            self._solver.reserve(sum(count(body, scene.grid.box) for body in scene.body))
+            for piece in make_points(scene):
+                self._solver.add_points(piece.position, piece.velocity, piece.mass, piece.volume, piece.body)
+            self._solver.initialize()
+            return
+        try:
+            self._solver.restore(dict(parts))
+        except ValueError as error:
+            raise PockmarkError(f"what was saved does not fit the scene: {error}") from None
+
+    def save(self) -> dict[str, Any]:
+        """Return all that a step reads of the steps before it: numbers, and arrays (n,), the long ones as views of the solver's memory.
+
+        A simulation of the same scene that is made of them goes on to the last bit as this one does, on any number of
+        threads.
+        """
+        return dict(self._solver.save())
 
     @property
     def time(self) -> float:
@@ -215,3 +213,29 @@ class LiveFields(Mapping[str, NDArray[Any]]):
 def field_names() -> list[str]:
     """Return the names of all point fields, `body` and `id` included."""
     return [*(f["name"] for f in _core.fields()), "body", "id"]
+
+
+def _make_solver(scene: Scene, threads: int, driver: str, *, sleep: bool) -> Any:
+    """Return the core's solver of a scene, without points."""
+    numerics = scene.numerics
+    solver = _core.solver(single=numerics.precision == "single", driver=driver)(
+        lower=scene.grid.lower,
+        cell=scene.grid.cell,
+        cells=scene.grid.cells,
+        faces=[getattr(_core.Face, kind) for kind in scene.boundary.faces],
+        materials=[scene.materials[b.material].to_core() for b in scene.body],
+        options=_core.Options(
+            scheme=getattr(_core.Scheme, numerics.scheme),
+            shape=getattr(_core.ShapeFunction, numerics.shape_functions),
+            cfl=numerics.cfl,
+            strain_limit=numerics.strain_limit,
+            pic_fraction=numerics.pic_fraction,
+            mass_cutoff=numerics.mass_cutoff,
+            sleep=sleep,
+        ),
+        threads=threads,
+    )
+    solver.let_fly([b.projectile for b in scene.body])
+    if scene.contact:
+        solver.set_contact([b.projectile for b in scene.body], scene.contact.friction)
+    return solver

@@ -56,7 +56,7 @@ def aluminium(failure=None):
     return material(paper_eos(), johnson_cook(), failure=failure, q=(1.5, 0.06))
 
 
-def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, lanes=None):
+def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0):
     return core.Options(
         scheme=getattr(core.Scheme, scheme),
         shape=getattr(core.ShapeFunction, shape),
@@ -64,7 +64,6 @@ def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, 
         strain_limit=0.2,
         pic_fraction=pic,
         mass_cutoff=cutoff,
-        lanes=core.build_info()["lanes"] if lanes is None else lanes,
         sleep=True,
     )
 
@@ -89,13 +88,13 @@ def solver(
     single=False,
     flies=None,
     friction=None,
+    driver=core.DRIVER,
 ):
     """bodies: (position, velocity, volume of a point, density, index of the material).
 
     `flies`: of each material; `friction`: of the second material's contact with the first, None without contact.
     """
-    kind = core.SolverSingle if single else core.Solver
-    out = kind(
+    out = core.solver(single=single, driver=driver)(
         lower=tuple(float(x) for x in lower),
         cell=float(cell),
         cells=tuple(int(n) for n in cells),

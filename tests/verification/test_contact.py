@@ -25,9 +25,9 @@ LOADING = 60.0  # time in which gravity grows, so that the load does not bounce
 H, SPEED = 1.0, 1e-2  # cell; of each bar, in bar speeds
 
 
-def solver(bodies, friction, cells, faces, *, threads=1, nu=0.3, single=False, **choices):
+def solver(bodies, friction, cells, faces, *, threads=1, nu=0.3, single=False, driver=core.DRIVER, **choices):
     """bodies: (position, velocity, volumes of the points); density 1, Young's modulus 1. friction None: sticky. The rest is of options()."""
-    s = (core.SolverSingle if single else core.Solver)(
+    s = core.solver(single=single, driver=driver)(
         lower=(0.0, 0.0, 0.0),
         cell=H,
         cells=cells,
@@ -227,10 +227,8 @@ def test_threads_change_no_bit_of_contact():
     print(f"bit-identical over {runs[0].cycle} steps")
 
 
-@pytest.mark.skipif(not core.build_info()["lanes"], reason="this core has one driver only")
-def test_lanes_agree_with_the_scalar_driver_in_contact():
-    one_by_one, lanes = (oblique(lanes=use) for use in (False, True))
-    a, b = by_id(one_by_one, "velocity"), by_id(lanes, "velocity")
+def test_the_drivers_agree_in_contact():
+    a, b = (by_id(oblique(driver=driver), "velocity") for driver in ("plain", "cpu"))
     worst = np.abs(a - b).max() / np.abs(a).max()
     print(f"largest difference {worst:.1e} of the largest velocity")
     assert worst < 1e-10

@@ -1,4 +1,4 @@
-"""However the core walks the points, the result is the same: lanes or one by one, asleep or awake, one thread or two."""
+"""However the core walks the points, the result is the same: by either driver, asleep or awake, one thread or two."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ LEAVING = ("impact.speed=12000", "grid.upper=['100 um', '100 um', '25 um']")  # 
 SCHEMES = pytest.mark.parametrize("scheme", ["usf", "musl", "usl", "usavg"])
 
 
-def cloud(scheme, shape, lanes, *, single=False, seed=3):
+def cloud(scheme, shape, driver, *, single=False, seed=3):
     """Random points of two bodies: runs of every length, lone points, empty cells, packs that hold both bodies."""
     rng = np.random.default_rng(seed)
     n, cells = 1500, (9, 17, 7)
@@ -29,7 +29,6 @@ def cloud(scheme, shape, lanes, *, single=False, seed=3):
         strain_limit=0.2,
         pic_fraction=0.02,
         mass_cutoff=0.0,
-        lanes=lanes,
         sleep=True,
     )
     bodies = [(x[body == b], v[body == b], H**3 / 8, RHO, b) for b in (0, 1)]
@@ -42,23 +41,23 @@ def cloud(scheme, shape, lanes, *, single=False, seed=3):
         options,
         bodies,
         single=single,
+        driver=driver,
     )
     s.advance(6, 1.0)
     order = np.argsort(s.field("id"))
     return {name: s.field(name)[order] for name in FIELDS}
 
 
-@pytest.mark.skipif(not core.build_info()["lanes"], reason="this core has one driver only")
 @SHAPES
 @SCHEMES
 @pytest.mark.parametrize(("single", "tolerance"), [(False, 1e-11), (True, 3e-3)], ids=["fp64", "fp32"])
-def test_lanes_agree_with_the_scalar_driver_on_random_points(scheme, shape, single, tolerance):
-    one_by_one, lanes = (cloud(scheme, shape, lanes, single=single) for lanes in (False, True))
+def test_the_drivers_agree_on_random_points(scheme, shape, single, tolerance):
+    plain, cpu = (cloud(scheme, shape, driver, single=single) for driver in ("plain", "cpu"))
     worst = 0.0
-    for name, want in one_by_one.items():
+    for name, want in plain.items():
         scale = np.abs(want).max()
         if scale > 0:
-            worst = max(worst, np.abs(lanes[name] - want).max() / scale)
+            worst = max(worst, np.abs(cpu[name] - want).max() / scale)
     print(
         f"{scheme} {shape} {'fp32' if single else 'fp64'}: largest difference {worst:.1e} of a field's largest"
     )
@@ -80,7 +79,7 @@ def test_sleep_changes_no_bit(scheme, shape):
     )
     runs, asleep = [], []
     for sleep in (False, True):
-        simulation = Simulation(scene, 1, sleep=sleep)
+        simulation = Simulation(scene, 1, driver="cpu", sleep=sleep)
         for _ in range(12):
             simulation.advance(1.0, max_steps=1)
             asleep.append(simulation.sleeping_points)
@@ -98,7 +97,7 @@ def test_sleep_changes_no_bit(scheme, shape):
 def test_points_mapped_ahead_are_mapped_as_they_would_be(scheme):
     """Through sorts and points that leave: to set a field, to what it is, has them mapped anew in the next step."""
     scene = bench_scene(20_000, (f"numerics.scheme={scheme}", *LEAVING))
-    runs = [Simulation(scene, 1, sleep=False) for _ in range(2)]
+    runs = [Simulation(scene, 1, driver="cpu", sleep=False) for _ in range(2)]
     for _ in range(250):
         runs[0].advance(1.0, max_steps=1)
         solver = runs[1]._solver
@@ -119,7 +118,7 @@ def test_threads_change_no_bit_of_an_impact(precision, scheme):
     scene = bench_scene(20_000, (*numerics, *LEAVING))
     runs = []
     for threads in (1, 2, 2):
-        simulation = Simulation(scene, threads)
+        simulation = Simulation(scene, threads, driver="cpu")
         simulation.advance(60e-9)
         runs.append(simulation)
     left = runs[0].counters()["left_points"]

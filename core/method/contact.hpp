@@ -1,12 +1,17 @@
-// How the CPU finds the nodes where two bodies meet, and what happens there.
+// Contact during a run: the nodes where two bodies meet, and what happens there.
 #pragma once
-#include <vector>
-
-#include "../boundary.hpp"
 #include "../contact.hpp"
-#include "tiles.hpp"
+#include "model.hpp"
 
-namespace pockmark::cpu {
+namespace pockmark {
+
+// The current volume (m^3) of a point.
+template <class T>
+struct VolumeOf {
+  const Model<T>* model;
+  Points<T> points;
+  T operator()(std::size_t p) const { return T(model->volume(points, p)); }
+};
 
 template <class T>
 class Contact {
@@ -19,50 +24,51 @@ class Contact {
   }
 
   // Finds where the bodies meet, and how far apart they are there, at the start of a step of `dt` (s).
-  template <class Shape, class Volume>
-  void find(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, T dt,
-            Volume&& volume) {
-    find_meetings(grid, tiles, threads);
+  // `surface`: an array of zeros, which are zeros again in the end.
+  template <class Shape, class Driver>
+  void find(const Model<T>& model, const Driver& driver, Velocity<T> before, Surface<T> surface, T dt) {
+    find_meetings(driver, before);
     if (meetings_.empty()) return;
-    orient<Shape>(points, grid, tiles, threads, volume);
+    const VolumeOf<T> volume{&model, driver.points()};
+    orient<Shape>(model.grid, driver, surface, volume);
     const std::size_t count = meetings_.size();
-    if (Shape::support > 2) add_images(grid.geometry);
-    tiles.scatter(threads, [&](int, const Block& block) {
+    if (Shape::support > 2) add_images(model.grid);
+    driver.scatter([&](int, const Block& block) {
       for_each_run(block, [&](const Run& run) {
-        add_reach<Shape>(points, grid.geometry, run, [&](std::size_t node) { return at(node); }, volume);
+        add_reach<Shape>(
+            driver.points(), model.grid, run, [&](std::size_t node) { return at(node); }, volume);
       });
     });
     take_back_images(count);
     for (Meeting<T>& m : meetings_) {
       m.allow_closing(dt);
-      m.approach = dot(relative(m, grid.before), m.normal);
+      m.approach = dot(relative(m, before), m.normal);
     }
   }
 
   // Takes the approach of touching bodies out of a nodal velocity. The points keep theirs.
-  void fit(const Grid<T>& grid, Array<Quad<T>>& velocity) {
+  void fit(Velocity<T> velocity) {
     for (Meeting<T>& m : meetings_) {
       const T approach = dot(relative(m, velocity), m.normal);
-      m.twice_fitted += exchange(grid, m, velocity, m.beyond_closing(approach), T(0));
+      m.twice_fitted += exchange(m, velocity, m.beyond_closing(approach), T(0));
     }
   }
 
   // Changes the velocities after the forces acted: no approach, and friction.
-  void press(Grid<T>& grid) {
+  void stop_approach(Velocity<T> after) {
     for (Meeting<T>& m : meetings_) {
-      const T approach = dot(relative(m, grid.after), m.normal), beyond = m.beyond_closing(approach);
-      m.impulse = beyond > T(0)
-                      ? exchange(grid, m, grid.after, m.share_in_contact(approach) * beyond, friction_)
-                      : Vec3<T>{};
+      const T approach = dot(relative(m, after), m.normal), beyond = m.beyond_closing(approach);
+      m.impulse = {};
+      if (beyond > T(0)) m.impulse = exchange(m, after, m.share_in_contact(approach) * beyond, friction_);
     }
   }
 
-  // Kinetic energy (J) that the last step took from the points and paid no stress with: `final` is the
-  // points' velocity now, at the nodes (docs/theory.md, Eqs. 6 and 21).
-  double taken(const Grid<T>& grid, const Array<Quad<T>>& final) const {
+  // Returns the kinetic energy (J) that the last step took from the points and paid no stress with: `final`
+  // is the points' velocity now, at the nodes (docs/theory.md, Eqs. 6 and 21).
+  double taken(Velocity<T> before_forces, Velocity<T> after, Velocity<T> final) const {
     double sum = 0;
     for (const Meeting<T>& m : meetings_) {
-      const auto before = relative(m, grid.before), change = relative(m, grid.after) - before;
+      const auto before = relative(m, before_forces), change = relative(m, after) - before;
       sum += 0.5 * double(dot(m.impulse, before + relative(m, final)) - dot(m.twice_fitted, change));
     }
     return sum;
@@ -74,19 +80,20 @@ class Contact {
 
   Meeting<T>* at(std::size_t node) { return slot_[node] == none ? nullptr : &meetings_[slot_[node]]; }
 
-  void find_meetings(const Grid<T>& grid, const Tiles& tiles, int threads) {
+  template <class Driver>
+  void find_meetings(const Driver& driver, Velocity<T> velocity) {
     for (const Meeting<T>& m : meetings_) slot_[m.node] = none;
     meetings_.clear();
-    found_.assign(tiles.count(), {});
-    tiles.for_each_line(grid.geometry, threads, false, [&](int tile, std::size_t begin, std::size_t end) {
+    found_.assign(driver.slots(), {});
+    driver.for_each_line(false, [&](int slot, std::size_t begin, std::size_t end) {
       if (begin >= second_) return;
       for (std::size_t node = begin; node < end; ++node)
-        if (grid.has_mass(node) && grid.has_mass(second_ + node)) found_[tile].push_back(node);
+        if (has_mass(velocity, node) && has_mass(velocity, second_ + node)) found_[slot].push_back(node);
     });
     for (const auto& nodes : found_)
       for (const std::size_t node : nodes) {
         slot_[node] = std::uint32_t(meetings_.size());
-        meetings_.push_back({.node = node});
+        meetings_.push_back({.node = node, .mass = {velocity[node].v[3], velocity[second_ + node].v[3]}});
       }
   }
 
@@ -102,20 +109,20 @@ class Contact {
     return any;
   }
 
-  // Finds the normals. The surfaces are taken where the velocities will be mapped back later in the step.
-  template <class Shape, class Volume>
-  void orient(const Particles<T>& points, Grid<T>& grid, const Tiles& tiles, int threads, Volume&& volume) {
-    auto& surface = grid.remapped;
-    tiles.scatter(threads, [&](int, const Block& block) {
-      if (!meets<Shape>(grid.geometry, block)) return;
+  // Finds the normals.
+  template <class Shape, class Driver, class Volume>
+  void orient(const GridGeometry<T>& grid, const Driver& driver, Surface<T> surface, Volume&& volume) {
+    driver.scatter([&](int, const Block& block) {
+      if (!meets<Shape>(grid, block)) return;
       for_each_run(block,
-                   [&](const Run& run) { add_surface<Shape>(points, grid.geometry, run, surface, volume); });
+                   [&](const Run& run) { add_surface<Shape>(driver.points(), grid, run, surface, volume); });
     });
-    fold(grid.geometry, mirrors_, surface, Mirrored::vector);
-    constrain(grid.geometry, mirrors_, surface);
+    driver.exchange(surface);
+    fold(driver, grid, mirrors_, surface, Mirrored::vector);
+    constrain(driver, grid, mirrors_, surface);
     for (Meeting<T>& m : meetings_) m.normal = contact_normal(surface[m.node], surface[second_ + m.node]);
-    tiles.for_each_line(grid.geometry, threads, false, [&](int, std::size_t begin, std::size_t end) {
-      std::fill(surface.begin() + begin, surface.begin() + end, Quad<T>{});
+    driver.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      std::fill(surface.data + begin, surface.data + end, Quad<T>{});
     });
   }
 
@@ -150,21 +157,19 @@ class Contact {
     }
   }
 
-  // The first body's velocity less the second's.
-  Vec3<T> relative(const Meeting<T>& m, const Array<Quad<T>>& velocity) const {
+  // Returns the first body's velocity less the second's.
+  Vec3<T> relative(const Meeting<T>& m, Velocity<T> velocity) const {
     return velocity[m.node].vector() - velocity[second_ + m.node].vector();
   }
 
   // Takes `stop` (m/s) from the approach. Returns the impulse of the first body on the second.
-  Vec3<T> exchange(const Grid<T>& grid, const Meeting<T>& m, Array<Quad<T>>& velocity, T stop,
-                   T friction) const {
+  Vec3<T> exchange(const Meeting<T>& m, Velocity<T> velocity, T stop, T friction) const {
     if (!(stop > T(0))) return {};
-    const T first_mass = grid.mass(m.node), second_mass = grid.mass(second_ + m.node);
     const auto impulse =
-        contact_impulse(relative(m, velocity), first_mass, second_mass, m.normal, stop, friction);
+        contact_impulse(relative(m, velocity), m.mass[0], m.mass[1], m.normal, stop, friction);
     Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
-    first.set_vector(first.vector() - (T(1) / first_mass) * impulse);
-    second.set_vector(second.vector() + (T(1) / second_mass) * impulse);
+    first.set_vector(first.vector() - (T(1) / m.mass[0]) * impulse);
+    second.set_vector(second.vector() + (T(1) / m.mass[1]) * impulse);
     return impulse;
   }
 
@@ -174,7 +179,7 @@ class Contact {
   std::vector<Meeting<T>> meetings_;
   std::vector<std::size_t> image_of_;  // of each image at the end of meetings_, while there are some
   std::vector<std::uint32_t> slot_;    // of each node, where meetings_ has it
-  std::vector<std::vector<std::size_t>> found_;  // of each tile
+  std::vector<std::vector<std::size_t>> found_;  // of each slot
 };
 
-}  // namespace pockmark::cpu
+}  // namespace pockmark

@@ -1,0 +1,154 @@
+// The CPU's driver: points in the order of the cells, blocks of them in tiles, threads, SIMD lanes.
+#pragma once
+#include <array>
+#include <cstdint>
+
+#include "../update.hpp"
+#include "prefetch.hpp"
+#include "scatter.hpp"
+#include "sort.hpp"
+#include "tiles.hpp"
+
+namespace pockmark::cpu {
+
+// `V`: what the kernels compute with, a pack of numbers or a number. Its members are those of
+// core/driver.hpp.
+template <class T, class V>
+class Driver {
+ public:
+  using Number = T;
+  using Values = V;
+  using Hints = Prefetch;
+  static constexpr const char* name = "cpu";
+
+  Driver(int threads, bool sleeps) : threads_(threads), may_sleep_(sleeps) {}
+
+  void allocate(const GridGeometry<T>& grid) {
+    grid_ = grid;
+    for (auto& buffer : buffers_) buffer.assign(grid.field_count * grid.node_count(), {});
+  }
+  void reserve(std::size_t count) { store_.reserve(count); }
+  void resize(std::size_t count) { store_.resize(count), points_ = store_.view(); }
+  const Points<T>& points() const { return points_; }
+  template <Nodal quantity>
+  NodeField<T, quantity> nodes(int buffer) {
+    return {buffers_[buffer].data()};
+  }
+
+  // How many partial results a loop leaves. They are added up in their order, so that no sum depends on the
+  // number of threads.
+  int slots() const { return tiles_.count(); }
+  bool is_awake(int slot) const { return !tiles_.sleeps(slot); }
+  template <class F>
+  void for_each_block(F&& f) const {
+    tiles_.visit(threads_, f);
+  }
+  template <class F>
+  void for_each_awake_block(F&& f) const {
+    tiles_.gather(threads_, f);
+  }
+  template <class F>
+  void scatter(F&& f) const {
+    tiles_.scatter(threads_, f);
+  }
+  template <class F>
+  void scatter_all(F&& f) const {
+    tiles_.scatter_all(threads_, f);
+  }
+  template <class F, class G>
+  void regroup(int support, F&& moved, G&& then) {
+    tiles_.regroup(points_, grid_, support, threads_, moved, then);
+  }
+  template <class F>
+  void for_each_line(bool stale, F&& f) const {
+    tiles_.for_each_line(grid_, threads_, stale, f);
+  }
+  template <class F>
+  void for_each_pair(int rows, int columns, F&& f) const {
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; j < columns; ++j) f(i, j);
+  }
+  template <Nodal quantity>
+  void exchange(NodeField<T, quantity>) const {}  // one memory: every sum is whole
+
+  template <class Shape>
+  void add_momentum(const Block& block, Momentum<T> momentum) const {
+    scatter_momentum<Shape, V>(points_, grid_, block, momentum);
+  }
+  template <class Shape>
+  void add_force(const Block& block, const Columns<T, 6>& push, Force<T> force) const {
+    scatter_force<Shape, V>(points_, grid_, block, push, force);
+  }
+
+  void forget_stale() { tiles_.forget_stale(); }
+  void sort(int support) {
+    sorter_(store_, grid_.field_count * grid_.node_count(), threads_);
+    points_ = store_.view();
+    tiles_.locate(points_, grid_);
+    tiles_.split(points_, grid_, support, threads_);
+    tiles_.renew_spans();
+    sorted_runs_ = std::int64_t(tiles_.run_count()), disorder_ = 0;
+    ++sorts_;
+  }
+  // Points are sorted by cell again when that pays: once the runs that disorder has added since, step by
+  // step, have cost as much; and when one has strayed too far from its tile.
+  bool arrange(int support, bool is_start) {
+    tiles_.renew_spans();
+    disorder_ += std::max(std::int64_t(tiles_.run_count()) - sorted_runs_, std::int64_t(0));
+    const bool sorts = points_per_run_cost * disorder_ > std::int64_t(points_.count) || !tiles_.hold();
+    if (sorts) sort(support);
+    return (may_sleep_ && tiles_.send_to_sleep(is_start, [&](int tile) { return rests(tile); })) || sorts;
+  }
+  void wake() { tiles_.wake(); }
+
+  // See Machine::for_each_part.
+  template <class F>
+  void for_each_part(F&& f, int support) {
+    store_.for_each_part(f);
+    f("order.sorted_runs", sorted_runs_), f("order.disorder", disorder_), f("order.sorts", sorts_);
+    auto order = tiles_.order();
+    f("order.blocks", order.blocks), f("order.begin", order.begin), f("order.end", order.end);
+    f("order.rest", order.rest);
+    if constexpr (!std::remove_cvref_t<F>::restores) return;
+    if (!store_.is_whole()) throw std::invalid_argument("points: arrays of different lengths");
+    points_ = store_.view();
+    tiles_.restore(order, points_, grid_, support);
+  }
+
+  std::int64_t sorts() const { return sorts_; }
+  std::size_t sleeping_points() const {
+    std::size_t sum = 0;
+    for (int tile = 0; tile < tiles_.count(); ++tile)
+      if (tiles_.sleeps(tile))
+        tiles_.for_each_block(tile, [&](int, const Block& block) { sum += block.end - block.begin; });
+    return sum;
+  }
+  // Bytes of the points (fields, body, id, cell; the sort's scratch; runs) and of the nodes.
+  std::size_t point_bytes() const {
+    const std::size_t one = component_count * sizeof(T) + 9;
+    return points_.count * (one + sizeof(T) + 9) + tiles_.run_count() * sizeof(Run);
+  }
+  std::size_t node_bytes() const { return buffers_[0].size() * (buffers_.size() * sizeof(Quad<T>) + 4); }
+
+ private:
+  static constexpr std::int64_t points_per_run_cost = 3;  // what a run costs in a step, in points sorted
+
+  bool rests(int tile) const {
+    bool all = true;
+    tiles_.for_each_block(tile,
+                          [&](int, const Block& block) { all = all && pockmark::rests(points_, block); });
+    return all;
+  }
+
+  int threads_;
+  bool may_sleep_;
+  GridGeometry<T> grid_;
+  PointStore<T> store_;
+  Points<T> points_{};
+  std::array<Array<Quad<T>>, 4> buffers_;
+  Tiles tiles_;
+  Sorter<T> sorter_;
+  std::int64_t sorted_runs_ = 0, disorder_ = 0, sorts_ = 0;
+};
+
+}  // namespace pockmark::cpu

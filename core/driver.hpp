@@ -1,0 +1,63 @@
+// What a driver must do for the method: hold the points and the nodes, and walk over them. The method
+// (core/method/) knows no threads, tiles or lanes; the kernels (transfer.hpp, update.hpp) are functions of
+// views.
+#pragma once
+#include <concepts>
+#include <cstdint>
+
+#include "update.hpp"
+
+namespace pockmark {
+
+// Stands for a function of the method that a driver calls.
+struct AnyCall {
+  static constexpr bool restores = false;
+  template <class... Given>
+  bool operator()(Given&&...) const {
+    return true;
+  }
+};
+
+// A driver may hand a function the same slot again and again, from one thread at a time; slots share nothing.
+template <class D, class T = typename D::Number, class Shape = Linear<T>>
+concept IsDriver =
+    requires(D d, const GridGeometry<T>& grid, std::size_t count, const Block& block,
+             const Columns<T, 6>& push, Momentum<T> momentum, Force<T> force, int n, bool is_so, AnyCall f) {
+      // Memory: four arrays of nodes, all zero at first; `count` points.
+      d.allocate(grid);
+      d.reserve(count);
+      d.resize(count);
+      { d.points() } -> std::convertible_to<const Points<T>&>;
+      { d.template nodes<Nodal::force>(n) } -> std::same_as<Force<T>>;
+      // Reductions: a loop leaves a partial result in each of `slots()`.
+      { d.slots() } -> std::same_as<int>;
+      { d.is_awake(n) } -> std::same_as<bool>;
+      // f(slot, block) over blocks of points, where f writes to the points of its block only: of all points,
+      // or without those that a driver knows to be at rest.
+      d.for_each_block(f);
+      d.for_each_awake_block(f);
+      // The same, where f may add to the nodes under its block.
+      d.scatter(f);
+      d.scatter_all(f);
+      // moved(slot, block) may move the points of its block and says whether one changed its cell; then(slot,
+      // block) may add to the nodes under the blocks that result.
+      d.regroup(n, f, f);
+      // f(slot, first node, end) over the nodes that points touch, or touched before the last clear
+      // (`stale`).
+      d.for_each_line(is_so, f);
+      d.forget_stale();
+      // f(i, j) for i < rows, j < columns.
+      d.for_each_pair(n, n, f);
+      // Adds up what other memories have put on nodes that they share.
+      d.exchange(force);
+      // What a block adds to its nodes.
+      d.template add_momentum<Shape>(block, momentum);
+      d.template add_force<Shape>(block, push, force);
+      // Order: sort() for shape functions with that support; arrange() after each step, `is_so` after the
+      // first one. It says whether sums over points may now have another order, or other points be awake.
+      d.sort(n);
+      { d.arrange(n, is_so) } -> std::same_as<bool>;
+      d.wake();
+    };
+
+}  // namespace pockmark

@@ -1,0 +1,44 @@
+// What a run consists of.
+#pragma once
+#include <optional>
+
+#include "../timers.hpp"
+#include "contact.hpp"
+#include "state.hpp"
+#include "transmitting_faces.hpp"
+
+namespace pockmark {
+
+template <class Driver>
+struct Machine {
+  using T = typename Driver::Number;
+  Model<T> model;
+  Driver driver;
+  State state;
+  TransmittingFaces<T> transmitting;
+  std::optional<Contact<T>> contact;
+  Timers timers;
+
+  // Calls f(name, part) for everything that a step reads of the steps before it, a number or an array: to
+  // save it, or, where F::restores, to replace it. Throws std::invalid_argument if what f puts there does not
+  // fit.
+  template <class F>
+  void for_each_part(F&& f) {
+    state.for_each_part(f);
+    transmitting.for_each_part(f, model.grid, damping());
+    const bool linear = model.options.shape == ShapeFunction::trilinear;
+    driver.for_each_part(f, linear ? Linear<T>::support : Quadratic<T>::support);
+    if (state.live < 0 || std::size_t(state.live) > driver.points().count)
+      throw std::invalid_argument("live: more points than there are");
+  }
+
+  // Arrays of the driver: two that take turns for momentum, one for forces, one for damping. The one for
+  // momentum that is free, all zero until velocities are mapped back, also serves contact.
+  Momentum<T> momentum() { return driver.template nodes<Nodal::momentum>(state.momentum); }
+  Momentum<T> other_momentum() { return driver.template nodes<Nodal::momentum>(2 - state.momentum); }
+  Surface<T> surface() { return driver.template nodes<Nodal::surface>(2 - state.momentum); }
+  Force<T> force() { return driver.template nodes<Nodal::force>(1); }
+  Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }
+};
+
+}  // namespace pockmark

@@ -1,0 +1,320 @@
+// The verbs of a step (Liu et al. 2015, Section 2): what the schemes (schemes/) are made of. They read and
+// leave nodal quantities by name and know no threads, tiles or lanes.
+#pragma once
+#include <numeric>
+
+#include "machine.hpp"
+#include "step_size.hpp"
+
+namespace pockmark {
+
+// A point that left, and through which face.
+struct Exit {
+  std::size_t point;
+  int face;
+};
+
+template <class Driver, class Shape>
+class Step {
+  using T = typename Driver::Number;
+  using V = typename Driver::Values;
+  using Hints = typename Driver::Hints;
+
+ public:
+  // How a scheme pays the work of a strain: the duration of the strain (s), and the weights of the stress
+  // before and after it in the energy paid.
+  struct Pay {
+    double dt, old_share, new_share;
+  };
+
+  explicit Step(Machine<Driver>& m)
+      : m_(m), model_(m.model), driver_(m.driver), state_(m.state), grid_(m.model.grid) {}
+
+  double dt() const { return state_.dt; }
+  const std::vector<std::vector<Exit>>& exits() const { return exits_; }
+
+  // Sets the nodes that points touch to zero.
+  void clear() {
+    m_.timers.time("clear", [&] {
+      const auto momentum = m_.momentum(), other = m_.other_momentum();
+      const auto force = m_.force();
+      driver_.for_each_line(true, [&](int, std::size_t begin, std::size_t end) {
+        if (!state_.is_mapped) zero(momentum, begin, end);
+        zero(force, begin, end);
+        zero(other, begin, end);
+      });
+      driver_.forget_stale();
+    });
+  }
+
+  // (1), (2): maps momentum and mass of the points, unless the last step has done so, and returns the
+  // velocity.
+  Velocity<T> map_points() {
+    const auto momentum = m_.momentum();
+    Velocity<T> before{};
+    m_.timers.time("p2g", [&] {
+      if (m_.transmitting.renews(model_.faces, state_.cycle))
+        m_.transmitting.template renew<Shape>(model_, driver_, m_.damping());
+      if (!state_.is_mapped) driver_.scatter([&](int, const Block& block) { add(block, momentum); });
+      before = to_velocity(momentum);
+    });
+    m_.timers.time("boundary", [&] { constrain(driver_, grid_, model_.faces, before); });
+    if (m_.contact)
+      m_.timers.time("contact", [&] {
+        m_.contact->template find<Shape>(model_, driver_, before, m_.surface(), T(dt()));
+        fit(before);
+      });
+    return before;
+  }
+
+  // (3), (4): strains the points by a nodal velocity, and returns the forces of the new stress.
+  Force<T> stress_and_force(Velocity<T> velocity, const Pay& pay) {
+    const auto force = m_.force();
+    stress(velocity, pay, [&](auto&& update) {
+      driver_.scatter([&](int slot, const Block& block) {
+        Columns<T, 6> push;
+        update(slot, block, push);
+        driver_.template add_force<Shape>(block, push, force);
+      });
+      finish(force);
+    });
+    return force;
+  }
+  // (3) alone.
+  void stress_only(Velocity<T> velocity, const Pay& pay) {
+    stress(velocity, pay, [&](auto&& update) {
+      driver_.for_each_awake_block([&](int slot, const Block& block) {
+        Columns<T, 6> push;
+        update(slot, block, push);
+      });
+    });
+  }
+  // (4) alone: the forces of the stress that there is.
+  Force<T> force_only() {
+    const auto force = m_.force();
+    m_.timers.time("stress", [&] {
+      driver_.scatter([&](int, const Block& block) {
+        Columns<T, 6> push;
+        push_of_stress<V>(driver_.points(), model_.materials.data(), block, push);
+        driver_.template add_force<Shape>(block, push, force);
+      });
+      finish(force);
+    });
+    return force;
+  }
+
+  // (5): integrates the momentum of the nodes, with the transmitting tractions; ends the approach of bodies
+  // in contact. The velocity takes the place of the force.
+  Velocity<T> integrate(Velocity<T> before, Force<T> force) {
+    const Velocity<T> after{force.data};
+    const auto damping = m_.damping();
+    m_.timers.time("momentum", [&] {
+      m_.transmitting.begin_step();
+      std::vector<std::int64_t> cut(driver_.slots());
+      driver_.for_each_line(false, [&](int slot, std::size_t begin, std::size_t end) {
+        if (const auto light = integrate_line(before, after, damping, begin, end)) cut[slot] += light;
+      });
+      state_.audit.counts[std::size_t(Counter::node_cutoffs)] +=
+          std::accumulate(cut.begin(), cut.end(), std::int64_t(0));
+      constrain(driver_, grid_, model_.faces, after);
+    });
+    if (m_.contact)
+      m_.timers.time("contact", [&] {
+        m_.contact->stop_approach(after);
+        constrain(driver_, grid_, model_.faces, after);
+      });
+    return after;
+  }
+
+  // (6): velocities of the points.
+  void update_velocities(Velocity<T> before, Velocity<T> after) {
+    velocities([&](auto&& update) { driver_.scatter(update); }, before, after);
+  }
+  // (6): velocities of the points, mapped back to the grid.
+  Velocity<T> map_back(Velocity<T> before, Velocity<T> after) {
+    const auto momentum = m_.other_momentum();
+    Velocity<T> mapped{};
+    velocities(
+        [&](auto&& update) {
+          driver_.scatter([&](int slot, const Block& block) {
+            update(slot, block);
+            add(block, momentum);
+          });
+        },
+        before, after,
+        [&] {
+          mapped = to_velocity(momentum);
+          constrain(driver_, grid_, model_.faces, mapped);
+          if (m_.contact) fit(mapped);
+        });
+    return mapped;
+  }
+  // (6): velocities and positions of the points, where nothing between the two needs the old positions; and
+  // their momentum for the next step, to the array that is free: one pass does the work of three.
+  void update_velocities_and_move(Velocity<T> before, Velocity<T> after) {
+    const auto momentum = m_.other_momentum();
+    velocities(
+        [&](auto&& update) {
+          regroup(
+              [&](int slot, const Block& block) {
+                update(slot, block);
+                return move_block(slot, block, after);
+              },
+              momentum);
+        },
+        before, after);
+    state_.momentum = 2 - state_.momentum, state_.is_mapped = true;
+  }
+
+  // Accounts for the energy that transmitting faces and contact took; `final`: the velocity that the points
+  // got.
+  void account(Velocity<T> before, Velocity<T> after, Velocity<T> final) {
+    m_.timers.time("absorbed", [&] {
+      m_.transmitting.add_absorbed(model_, driver_, before, final, m_.damping(), T(dt()), state_.absorbed);
+      if (m_.contact) state_.contact += m_.contact->taken(before, after, final);
+    });
+  }
+
+  // (6): positions of the points, and their momentum for the next step, while they are in the cache. `before`
+  // is lost: its array takes the momentum.
+  void move(Velocity<T> after) {
+    move_with(after, [](const Block&) {});
+  }
+  // The same, after a last strain by a nodal velocity.
+  void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
+    move_with(after, [&](const Block& block) {
+      StrainColumns<T> strains;
+      gather_strain<Shape, V, Hints>(driver_.points(), grid_, block, by, T(dt), strains);
+      strain_points<V, Hints>(driver_.points(), model_.materials.data(), block, strains);
+    });
+  }
+
+ private:
+  template <Nodal quantity>
+  static void zero(NodeField<T, quantity> nodes, std::size_t begin, std::size_t end) {
+    std::fill(nodes.data + begin, nodes.data + end, Quad<T>{});
+  }
+  void add(const Block& block, Momentum<T> momentum) {
+    driver_.template add_momentum<Shape>(block, momentum);
+  }
+  // Completes a sum of the points: other memories, mirrors.
+  template <Nodal quantity>
+  void finish(NodeField<T, quantity> sum) {
+    driver_.exchange(sum);
+    fold(driver_, grid_, model_.faces, sum, Mirrored::vector);
+  }
+  // The velocity takes the place of the momentum.
+  Velocity<T> to_velocity(Momentum<T> momentum) {
+    finish(momentum);
+    const Velocity<T> velocity{momentum.data};
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        velocity[i].set_vector(has_mass(velocity, i) ? (T(1) / velocity[i].v[3]) * momentum[i].vector()
+                                                     : Vec3<T>{});
+    });
+    return velocity;
+  }
+  void fit(Velocity<T> velocity) {
+    m_.contact->fit(velocity);
+    constrain(driver_, grid_, model_.faces, velocity);
+  }
+
+  // Calls walk(update) with update(slot, block, push), which strains a block: block by block, while its
+  // points are in the cache. Then takes what the blocks have counted.
+  template <class Walk>
+  void stress(Velocity<T> velocity, const Pay& pay, Walk&& walk) {
+    m_.timers.time("stress", [&] {
+      const StressStep<T> step{T(pay.dt), T(dt()), T(pay.old_share), T(pay.new_share)};
+      auto& audits = state_.audits;
+      audits.resize(driver_.slots());
+      for (int slot = 0; slot < driver_.slots(); ++slot)
+        if (driver_.is_awake(slot)) audits[slot] = {};
+      walk([&](int slot, const Block& block, Columns<T, 6>& push) {
+        StrainColumns<T> strains;
+        gather_strain<Shape, V, Hints>(driver_.points(), grid_, block, velocity, step.dt, strains);
+        update_stress<V, Hints>(driver_.points(), model_.materials.data(), grid_.cell, block, strains, step,
+                                audits[slot], push);
+      });
+      state_.extremes = {};
+      for (const auto& audit : audits) state_.extremes.absorb(audit);
+      state_.audit.absorb(state_.extremes);
+    });
+  }
+
+  // Integrates the nodes of a line. Returns how many were lighter than the cut-off.
+  std::int64_t integrate_line(Velocity<T> before, Velocity<T> after, Damping<T> damping, std::size_t begin,
+                              std::size_t end) {
+    std::size_t next = m_.transmitting.first_from(grid_, begin);
+    std::int64_t light = 0;
+    for (std::size_t node = begin; node < end; ++node) {
+      const std::size_t i = next;
+      const bool is_damped = m_.transmitting.is_damped(i, node);
+      next += is_damped;
+      if (!has_mass(before, node)) {
+        after[node] = {};
+        continue;
+      }
+      const Quad<T> force = after[node];
+      const auto step =
+          integrate_node(before[node], force, is_damped ? damping[node] : Quad<T>{}, T(dt()), model_.cutoff);
+      after[node] = step.velocity;
+      if (is_damped) m_.transmitting.keep(i, step.velocity);
+      light += step.cut;
+    }
+    return light;
+  }
+
+  // Calls walk(update) with update(slot, block), which changes the velocities of a block; then finish().
+  template <class Walk, class Finish>
+  void velocities(Walk&& walk, Velocity<T> before, Velocity<T> after, Finish&& finish) {
+    m_.timers.time("g2p", [&] {
+      std::vector<double> taken(driver_.slots());
+      exits_.assign(driver_.slots(), {});
+      walk([&](int slot, const Block& block) {
+        const double lost = pockmark::update_velocities<Shape, V, Hints>(
+            driver_.points(), grid_, block, before, after, T(model_.options.pic_fraction));
+        if (lost != 0) taken[slot] += lost;  // those of other threads are on the same line of the cache
+      });
+      for (const double sum : taken) state_.pic += sum;
+      finish();
+    });
+  }
+  template <class Walk>
+  void velocities(Walk&& walk, Velocity<T> before, Velocity<T> after) {
+    velocities(walk, before, after, [] {});
+  }
+
+  template <class Before>
+  void move_with(Velocity<T> after, Before&& first) {
+    const auto momentum = m_.momentum();
+    m_.timers.time("move", [&] {
+      driver_.for_each_line(false,
+                            [&](int, std::size_t begin, std::size_t end) { zero(momentum, begin, end); });
+      regroup(
+          [&](int slot, const Block& block) {
+            first(block);
+            return move_block(slot, block, after);
+          },
+          momentum);
+      state_.is_mapped = true;
+    });
+  }
+  // Whether a point changed its cell.
+  bool move_block(int slot, const Block& block, Velocity<T> after) {
+    return move_points<Shape, V>(driver_.points(), grid_, block, after, T(dt()),
+                                 [&](std::size_t p, int face) { exits_[slot].push_back({p, face}); });
+  }
+  template <class Move>
+  void regroup(Move&& move, Momentum<T> momentum) {
+    driver_.regroup(Shape::support, move, [&](int, const Block& block) { add(block, momentum); });
+  }
+
+  Machine<Driver>& m_;
+  const Model<T>& model_;
+  Driver& driver_;
+  State& state_;
+  const GridGeometry<T>& grid_;
+  std::vector<std::vector<Exit>> exits_;  // of each slot in the last move
+};
+
+}  // namespace pockmark
