@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from . import _core
 from .bodies import Block, Body, Vector
+from .cautions import ENOUGH_CELLS_ACROSS
 from .equations import volume_energy
 from .errors import shown
 from .lattice import count, point_volume
@@ -29,7 +30,7 @@ BYTES_PER_ROW = 450  # of the history
 BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 300_000
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
-MIN_CELLS_ACROSS, ENOUGH_CELLS_ACROSS = 4, 10  # of the grid across the projectile's diameter
+MIN_CELLS_ACROSS = 4  # of the grid across the projectile's diameter
 FRAME_SPEED = (
     3000.0  # m/s: below it a plane shock with trilinear functions depends on the frame (docs/theory.md)
 )

@@ -5,7 +5,6 @@ import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -13,6 +12,7 @@ from pydantic import Field, ValidationError, ValidationInfo, field_validator, mo
 
 from .bodies import Body, Sphere, Swarm, Vector, overlap, require_size
 from .errors import PockmarkError, found, together
+from .geometry import Mirror
 from .lattice import count, size
 from .materials import Material, Model, complete
 from .overrides import override
@@ -85,15 +85,6 @@ class Boundary(Model):
     def faces(self) -> tuple[FaceKind, ...]:
         """The six faces in the core's order."""
         return (self.x_lower, self.x_upper, self.y_lower, self.y_upper, self.z_lower, self.z_upper)
-
-
-@dataclass(frozen=True)
-class Mirror:
-    """A symmetry plane at coordinate `at` (m) of an axis; `above`: it is the upper face of what is computed."""
-
-    axis: int
-    at: float
-    above: bool
 
 
 class Impact(Model):

@@ -1,41 +1,10 @@
 """The wall that a crater is measured in: the target's bodies that a projectile meets first."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from .bodies import Block, Body, box_gap
-from .scene import FaceKind, Scene
-
-Corner = tuple[float, float, float]
-LEAST_LAYERS = 1.5  # of points, that a wall must have to be measured
-
-
-@dataclass(frozen=True)
-class Wall:
-    """Bodies (their indices) that touch one another from z = 0 down, and the corners of their box, m; the largest of their
-    point spacings, m; what the grid's lower face is where their back lies on it, None where their back is free."""
-
-    bodies: tuple[int, ...]
-    lower: Corner
-    upper: Corner
-    spacing: float
-    face: FaceKind | None = None
-
-    @property
-    def thickness(self) -> float:
-        """From z = 0 to the back, m."""
-        return -self.lower[2]
-
-    @property
-    def layers(self) -> float:
-        """Points through it: with fewer than two there is no inside to be told from a hole."""
-        return self.thickness / self.spacing
-
-    @property
-    def is_backed(self) -> bool:
-        """Whether what lies behind the back is not computed: then a hole cannot be told from a deep crater."""
-        return self.face not in (None, "free")
+from .geometry import Wall
+from .scene import Scene
 
 
 def walls(scene: Scene) -> list[tuple[int, ...]]:

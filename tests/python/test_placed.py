@@ -11,7 +11,7 @@ from pockmark import PockmarkError, Scene, Simulation
 from pockmark.bodies import Block, Sphere, Swarm, overlap
 from pockmark.lattice import count, lattice, point_volume
 from pockmark.points import make_points
-from pockmark.run import _projectile_diameter, _projectile_mass
+from pockmark.setup import setup_of
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 UM = 1e-6
@@ -112,8 +112,8 @@ def test_every_point_that_is_counted_is_there(radius):
     mass = sum(p.mass[p.body == 1].sum() for p in pieces)
     asked = 2 / 3 * math.pi * loaded.body[1].radius ** 3 * 2770
     assert mass == pytest.approx(asked, rel=1e-9)
-    assert _projectile_mass(loaded) == pytest.approx(asked, rel=1e-9)
-    assert _projectile_diameter(loaded) == pytest.approx(2 * loaded.body[1].radius, rel=1e-9)
+    assert setup_of(loaded).projectile_mass == pytest.approx(asked, rel=1e-9)
+    assert setup_of(loaded).projectile_diameter == pytest.approx(2 * loaded.body[1].radius, rel=1e-9)
     assert all(np.allclose(p.mass, 2770 * p.volume, rtol=1e-15) for p in pieces)
     simulation = Simulation(loaded, 1)
     assert simulation.ledger()["mass"] == pytest.approx(asked + 2770 * 100 * 50 * 50 * UM**3, rel=1e-9)
@@ -150,7 +150,9 @@ def test_rounded_is_told_with_its_mass():
         "body.projectile.spacing='1.9 um'",
         "body.projectile.center=['0 um', '0 um', '7 um']",
     )
-    assert _projectile_mass(scene(*keys)) == pytest.approx(2 / 3 * math.pi * (7 * UM) ** 3 * 2770, rel=1e-9)
+    assert setup_of(scene(*keys)).projectile_mass == pytest.approx(
+        2 / 3 * math.pi * (7 * UM) ** 3 * 2770, rel=1e-9
+    )
     with pytest.raises(PockmarkError, match="overlaps"):
         scene(*keys, "body.projectile.rounded=true")
 

@@ -176,7 +176,9 @@ def test_a_forgotten_unit_is_answered_at_once_and_in_little_memory():
     assert done.returncode == 0
     answers = done.stdout.splitlines()
     assert len(answers) == len(texts)
-    for answer, (_, sentence) in zip(answers, [("", "nearer to 0 than any quantity"), *FORGOTTEN], strict=True):
+    for answer, (_, sentence) in zip(
+        answers, [("", "nearer to 0 than any quantity"), *FORGOTTEN], strict=True
+    ):
         assert sentence in answer
         assert float(answer.split()[0]) < 2
 

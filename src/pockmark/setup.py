@@ -1,0 +1,67 @@
+"""A scene as its measures see it."""
+
+from .bodies import Block, Swarm
+from .forecast import cells_across
+from .geometry import Setup
+from .lattice import count, point_volume
+from .scene import Scene
+from .wall import first_wall, walls
+
+
+def setup_of(scene: Scene) -> Setup:
+    """Return what the measures and pictures of a scene's run need to know of it."""
+    mass = _projectile_mass(scene)
+    hits, pitch = _swarm(scene)
+    return Setup(
+        spacing=max(scene.body[i].spacing for i in scene.targets or scene.projectiles),
+        mirrors=scene.mirrors,
+        names=tuple(body.name for body in scene.body),
+        projectiles=scene.projectiles,
+        wall=first_wall(scene),
+        walls=tuple(walls(scene)),
+        tops=tuple(scene.body[i].box[1][2] for i in scene.targets),
+        projectile_mass=mass,
+        projectile_diameter=_projectile_diameter(scene),
+        momentum=-mass * scene.impact.velocity[2],
+        cells_across=cells_across(scene),
+        heading=scene.impact.heading,
+        is_oblique=scene.impact.angle != 0,
+        hits=hits,
+        pitch=pitch,
+        centre=_centre(scene),
+    )
+
+
+def _projectile_mass(scene: Scene) -> float:
+    """Return the mass of the projectiles' points at the start, kg, of what is computed."""
+    bodies = [scene.body[i] for i in scene.projectiles]
+    return sum(
+        count(b, scene.grid.box) * point_volume(b) * scene.materials[b.material].density for b in bodies
+    )
+
+
+def _projectile_diameter(scene: Scene) -> float:
+    """Return the diameter of the first projectile, a block's height, as its points fill it, m; 0 without one."""
+    if not scene.projectiles:
+        return 0.0
+    body = scene.body[scene.projectiles[0]]
+    return body.fits[2].length if isinstance(body, Block) else 2 * body.fit.length
+
+
+def _swarm(scene: Scene) -> tuple[tuple[tuple[float, float], ...], float]:
+    """Return where the balls of the first swarm meet z = 0 on their own paths (x, y; m), and how far neighbours are apart, m."""
+    swarms = [body for i in scene.projectiles if isinstance(body := scene.body[i], Swarm)]
+    if not swarms:
+        return (), 0.0
+    x, y, z = scene.impact.velocity
+    drift = (x / -z, y / -z) if z else (0.0, 0.0)
+    hits = tuple((a + c * drift[0], b + c * drift[1]) for a, b, c in swarms[0].places)
+    return hits, swarms[0].distance
+
+
+def _centre(scene: Scene) -> tuple[float, float]:
+    """Return x and y (m) of the first projectile, or of the grid without one."""
+    if scene.projectiles:
+        return scene.body[scene.projectiles[0]].axis
+    (x0, y0, _), (x1, y1, _) = scene.grid.box
+    return (x0 + x1) / 2, (y0 + y1) / 2
