@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from .crater import Crater
 from .errors import shown
 from .geometry import Setup
+from .ledger import DRAWN, LEFT_ENERGIES
 from .snapshot import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
@@ -23,8 +24,7 @@ AIR = "#e8eef4"  # neither a target's colour nor the projectile's white
 TARGETS = ("#999999", "#7a9cc6", "#c69c6d", "#8fb08c", "#a88bb5", "#c98686")
 STRESS = ScalarMappable(Normalize(0.0, 600.0), "viridis")
 PRESSURE = ScalarMappable(Normalize(-600.0, 600.0), "coolwarm")
-ENERGIES = ("kinetic", "internal", "absorbed")
-HISTORY_COLUMNS = ("time", *ENERGIES, "left_kinetic", "left_internal", "error", "initial", "depth")
+HISTORY_COLUMNS = ("time", *DRAWN, *LEFT_ENERGIES, "error", "initial", "depth")
 
 
 @dataclass(frozen=True)
@@ -212,9 +212,9 @@ def history_figure(history: Fields) -> Figure:
     figure = Figure(figsize=(8, 9), layout="constrained")
     FigureCanvasAgg(figure)
     energy, error, depth = figure.subplots(3, 1, sharex=True)
-    for name in ENERGIES:
+    for name in DRAWN:
         energy.plot(time, history[name] / scale, label=name)
-    energy.plot(time, (history["left_kinetic"] + history["left_internal"]) / scale, label="left the grid")
+    energy.plot(time, sum(history[name] for name in LEFT_ENERGIES) / scale, label="left the grid")
     energy.set(ylabel="energy / initial kinetic energy" if shares else "energy (J)")
     energy.legend()
     error.plot(time, history["error"] / scale * (100 if shares else 1))

@@ -12,13 +12,13 @@ from .ejecta import copies, enhancement, find_ejecta, whole_momentum
 from .ellipse import Ellipse
 from .geometry import LEAST_LAYERS, Setup
 from .hole import Hole, measure_hole
+from .ledger import LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from .lining import lining
 from .modes import bottoms_of, measures_of, mode_of
 from .morphology import Group, Pit
 from .surface import Field, Surface, target_field
 from .uncertainty import LEVELS, half_difference, uncertainties
 
-SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
 SHAPE = (
     "major_axis",
     "minor_axis",
@@ -189,7 +189,7 @@ def ejecta_table(
     """Return the ejecta in the grid and what left it, of the whole impact, SI; of what is in the grid None where points are no longer
     anywhere. `is_open`: some fly through the wall, and beta is None."""
     n = copies(setup.mirrors)
-    left = whole_momentum(n * np.array([ledger[f"left_momentum_{axis}"] for axis in "xyz"]), setup.mirrors)
+    left = whole_momentum(n * np.array([ledger[key] for key in LEFT_MOMENTUM]), setup.mirrors)
     table: dict[str, Any] = dict.fromkeys(EJECTA) | {
         "left_mass": n * ledger["left_mass"],
         "left_momentum": left.tolist(),
@@ -225,7 +225,7 @@ def result_table(
     initial = ledger["initial"]
     joules = {key: ledger[key] for key in SHARES} | {
         "residual_internal": ledger["internal"] + ledger["left_internal"],
-        "left": ledger["left_kinetic"] + ledger["left_internal"],
+        "left": sum(ledger[key] for key in LEFT_ENERGIES),
         "ledger_error": ledger["error"],
     }
     return {

@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from . import results
+from .counters import GONE
 from .doubts import doubts
 from .errors import PockmarkError
 from .files import replaced, told
@@ -95,16 +96,14 @@ def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
     """Return what a run's manifest says at the end, beside what it has said from the start on."""
-    scene = simulation.scene
+    scene, counters = simulation.scene, simulation.counters()
     return {
         "status": status,
         "ended": now(),
         "threads": simulation.threads,
         "failure_treatment": treatments(scene),
         "run": {
-            "points": simulation.points
-            + simulation.counters()["left_points"]
-            + simulation.counters()["lost_points"],
+            "points": simulation.points + sum(counters[name] for name in GONE),
             "cells": scene.grid.cell_count,
             "steps": simulation.steps,
             "time": simulation.time,
@@ -112,7 +111,7 @@ def _end(simulation: Simulation, status: str) -> dict[str, Any]:
             "max_compression": simulation.max_compression,
         },
         "ledger": simulation.ledger(),
-        "counters": simulation.counters(),
+        "counters": counters,
         "timers": simulation.timers(),
         "memory_bytes": simulation.memory(),
     }

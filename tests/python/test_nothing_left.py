@@ -11,17 +11,17 @@ from rich.console import Console
 
 from pockmark import Scene, Simulation, measure
 from pockmark.cli import main
+from pockmark.ledger import LEDGER as KEYS
 from pockmark.measures import measures
 from pockmark.plots import HISTORY_COLUMNS, history_figure, slice_figure
 from pockmark.points import make_points
 from pockmark.report import report
-from pockmark.results import SHARES, crater_of, depth_change, field_of
+from pockmark.results import crater_of, depth_change, field_of
 from pockmark.run import plot_run, run_scene
 from pockmark.setup import setup_of
 from pockmark.store import RunFolder, finite, to_json
 
-LEFT = ("left_mass", "left_momentum_x", "left_momentum_y", "left_momentum_z")
-LEDGER = dict.fromkeys((*SHARES, *LEFT, "error"), 0.0) | {"initial": 1.0}
+LEDGER = dict.fromkeys(KEYS, 0.0) | {"initial": 1.0}
 RUN = {"status": "finished", "end_time": 1e-8, "time": 1e-8, "max_compression": 1.0, "points": 1, "steps": 1}
 RUN |= {
     "torn_rows": 0,
