@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .lattice import lattice, point_volume
 from .scene import Scene
 
 Array = NDArray[np.float64]
@@ -27,8 +26,8 @@ class Points:
 def make_points(scene: Scene) -> Iterator[Points]:
     """Make all points of a scene, piece by piece; what lies behind a symmetry plane is dropped."""
     for index, body in enumerate(scene.body):
-        x = lattice(body, scene.grid.box)
-        volume = point_volume(body)
+        x = body.lattice(scene.grid.box)
+        volume = body.point_volume
         mass = volume * scene.materials[body.material].density
         velocity = scene.impact.velocity if body.projectile else (0.0, 0.0, 0.0)
         for start in range(0, len(x), PIECE):

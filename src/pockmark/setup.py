@@ -1,9 +1,7 @@
 """A scene as its measures see it."""
 
-from .bodies import Block, Swarm
 from .forecast import cells_across
 from .geometry import Setup
-from .lattice import count, point_volume
 from .scene import Scene
 from .wall import first_wall, walls
 
@@ -35,33 +33,31 @@ def setup_of(scene: Scene) -> Setup:
 def _projectile_mass(scene: Scene) -> float:
     """Return the mass of the projectiles' points at the start, kg, of what is computed."""
     bodies = [scene.body[i] for i in scene.projectiles]
-    return sum(
-        count(b, scene.grid.box) * point_volume(b) * scene.materials[b.material].density for b in bodies
-    )
+    return sum(b.count(scene.grid.box) * b.point_volume * scene.materials[b.material].density for b in bodies)
 
 
 def _projectile_diameter(scene: Scene) -> float:
-    """Return the diameter of the first projectile, a block's height, as its points fill it, m; 0 without one."""
-    if not scene.projectiles:
-        return 0.0
-    body = scene.body[scene.projectiles[0]]
-    return body.fits[2].length if isinstance(body, Block) else 2 * body.fit.length
+    """Return the diameter of the first projectile as its points fill it, m; 0 without one."""
+    return scene.body[scene.projectiles[0]].diameter if scene.projectiles else 0.0
 
 
 def _swarm(scene: Scene) -> tuple[tuple[tuple[float, float], ...], float]:
     """Return where the balls of the first swarm meet z = 0 on their own paths (x, y; m), and how far neighbours are apart, m."""
-    swarms = [body for i in scene.projectiles if isinstance(body := scene.body[i], Swarm)]
+    swarms = [
+        (body.places, apart) for i in scene.projectiles if (apart := (body := scene.body[i]).neighbours)
+    ]
     if not swarms:
         return (), 0.0
+    places, pitch = swarms[0]
     x, y, z = scene.impact.velocity
     drift = (x / -z, y / -z) if z else (0.0, 0.0)
-    hits = tuple((a + c * drift[0], b + c * drift[1]) for a, b, c in swarms[0].places)
-    return hits, swarms[0].distance
+    hits = tuple((a + c * drift[0], b + c * drift[1]) for a, b, c in places)
+    return hits, pitch
 
 
 def _centre(scene: Scene) -> tuple[float, float]:
     """Return x and y (m) of the first projectile, or of the grid without one."""
     if scene.projectiles:
-        return scene.body[scene.projectiles[0]].axis
+        return scene.body[scene.projectiles[0]].foot
     (x0, y0, _), (x1, y1, _) = scene.grid.box
     return (x0 + x1) / 2, (y0 + y1) / 2

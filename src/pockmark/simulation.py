@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from . import _core
 from .errors import PockmarkError
-from .lattice import count
 from .points import make_points
 from .scene import Scene
 
@@ -64,7 +63,7 @@ class Simulation:
         self._solver.let_fly([b.projectile for b in scene.body])
         if scene.contact:
             self._solver.set_contact([b.projectile for b in scene.body], scene.contact.friction)
-        self._solver.reserve(sum(count(body, scene.grid.box) for body in scene.body))
+        self._solver.reserve(sum(body.count(scene.grid.box) for body in scene.body))
         for piece in make_points(scene):
             self._solver.add_points(piece.position, piece.velocity, piece.mass, piece.volume, piece.body)
         self._solver.initialize()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .bodies import Block, Body, box_gap
+from .bodies import Solid, box_gap
 from .geometry import Wall
 from .scene import Scene
 
@@ -33,10 +33,10 @@ def first_wall(scene: Scene) -> Wall | None:
     return Wall(bodies, (x, y, z), (x1, y1, z1), spacing, scene.boundary.z_lower if stands else None)
 
 
-def _is_at_zero(body: Body) -> bool:
-    return isinstance(body, Block) and abs(body.upper[2]) <= body.spacing / 2
+def _is_at_zero(body: Solid) -> bool:
+    return body.level is not None and abs(body.level) <= body.spacing / 2
 
 
-def _touch(a: Body, b: Body) -> bool:
+def _touch(a: Solid, b: Solid) -> bool:
     """Return whether no gap of half a point spacing lies between the boxes of two bodies."""
     return box_gap(a, b) < max(a.spacing, b.spacing) / 2
