@@ -130,9 +130,9 @@ def warnings(scene: Scene) -> list[str]:
 def _impact_warnings(scene: Scene) -> list[str]:
     """Say whether there is an impact at all, and where its depth is measured from."""
     out = []
-    if not scene.projectiles:
+    if not scene.projectiles and not any(body.velocity for body in scene.body):
         out.append("no body is marked projectile = true: nothing moves")
-    elif scene.impact.speed == 0:
+    elif scene.projectiles and scene.impact.speed == 0:
         out.append("impact.speed is 0: nothing moves")
     tops = [scene.body[i].box[1][2] for i in scene.targets]
     if not any(abs(top) <= 0.01 * scene.grid.cell for top in tops):

@@ -29,7 +29,7 @@ def make_points(scene: Scene) -> Iterator[Points]:
         x = body.lattice(scene.grid.box)
         volume = body.point_volume
         mass = volume * scene.materials[body.material].density
-        velocity = scene.impact.velocity if body.projectile else (0.0, 0.0, 0.0)
+        velocity = scene.velocity(body)
         for start in range(0, len(x), PIECE):
             position = np.asarray(x[start : start + PIECE], dtype=np.float64)
             n = len(position)

@@ -279,9 +279,12 @@ class Scene(Model):
 
     def _symmetry_planes_are_kept(self) -> Iterator[str]:
         impact = self.impact
-        for mirror in self.mirrors if self.projectiles else ():
-            if impact.velocity[mirror.axis]:
-                face = FACES[2 * mirror.axis + mirror.above]
+        for mirror in self.mirrors:
+            face = FACES[2 * mirror.axis + mirror.above]
+            for i, body in enumerate(self.body):
+                if body.velocity and body.velocity[mirror.axis]:
+                    yield f"body[{i}] '{body.name}': its velocity moves it across the symmetry plane {face}: compute what lies behind it, too"
+            if self.projectiles and impact.velocity[mirror.axis]:
                 yield (
                     f"impact.angle: {math.degrees(impact.angle):g} deg at an azimuth of {math.degrees(impact.azimuth):g} deg moves "
                     f"the projectiles across the symmetry plane {face}: compute what lies behind it, too, or turn impact.azimuth"
@@ -342,10 +345,16 @@ class Scene(Model):
         """Indices of the other bodies."""
         return tuple(i for i, b in enumerate(self.body) if not b.projectile)
 
+    def velocity(self, body: Body) -> tuple[float, float, float]:
+        """Return how a body moves at the start, m/s: a projectile with the impact, another as it says itself."""
+        return self.impact.velocity if body.projectile else body.velocity or (0.0, 0.0, 0.0)
+
     @property
     def wave_speed(self) -> float:
-        """The fastest sound at rest, and the projectile's speed, m/s."""
-        return max(m.dilatational_speed for m in self.materials.values()) + self.impact.speed
+        """The fastest sound at rest, and the speed of the fastest body, m/s."""
+        own = [math.hypot(*body.velocity) for body in self.body if body.velocity]
+        sound = max(material.dilatational_speed for material in self.materials.values())
+        return sound + max([self.impact.speed, *own])
 
     @property
     def steps_about(self) -> float:

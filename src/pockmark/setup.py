@@ -8,7 +8,7 @@ from .wall import first_wall, walls
 
 def setup_of(scene: Scene) -> Setup:
     """Return what the measures and pictures of a scene's run need to know of it."""
-    mass = _projectile_mass(scene)
+    mass = {i: _mass(scene, i) for i in range(len(scene.body))}
     hits, pitch = _swarm(scene)
     return Setup(
         spacing=max(scene.body[i].spacing for i in scene.targets or scene.projectiles),
@@ -18,9 +18,9 @@ def setup_of(scene: Scene) -> Setup:
         wall=first_wall(scene),
         walls=tuple(walls(scene)),
         tops=tuple(scene.body[i].box[1][2] for i in scene.targets),
-        projectile_mass=mass,
+        projectile_mass=sum(mass[i] for i in scene.projectiles),
         projectile_diameter=_projectile_diameter(scene),
-        momentum=-mass * scene.impact.velocity[2],
+        momentum=-sum(mass[i] * scene.velocity(body)[2] for i, body in enumerate(scene.body)),
         cells_across=cells_across(scene),
         heading=scene.impact.heading,
         is_oblique=scene.impact.angle != 0,
@@ -30,10 +30,10 @@ def setup_of(scene: Scene) -> Setup:
     )
 
 
-def _projectile_mass(scene: Scene) -> float:
-    """Return the mass of the projectiles' points at the start, kg, of what is computed."""
-    bodies = [scene.body[i] for i in scene.projectiles]
-    return sum(b.count(scene.grid.box) * b.point_volume * scene.materials[b.material].density for b in bodies)
+def _mass(scene: Scene, i: int) -> float:
+    """Return the mass of a body's points at the start, kg, of what is computed."""
+    body = scene.body[i]
+    return body.count(scene.grid.box) * body.point_volume * scene.materials[body.material].density
 
 
 def _projectile_diameter(scene: Scene) -> float:

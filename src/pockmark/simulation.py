@@ -60,7 +60,7 @@ class Simulation:
             ),
             threads=self.threads,
         )
-        self._solver.let_fly([b.projectile for b in scene.body])
+        self._solver.let_fly([b.projectile or b.velocity is not None for b in scene.body])
         if scene.contact:
             self._solver.set_contact([b.projectile for b in scene.body], scene.contact.friction)
         self._solver.reserve(sum(body.count(scene.grid.box) for body in scene.body))

@@ -8,8 +8,9 @@ from .scene import Scene
 
 
 def walls(scene: Scene) -> list[tuple[int, ...]]:
-    """Return the target's bodies (their indices) in groups that touch one another; what stands behind a gap is another wall."""
-    left, found = list(scene.targets), []
+    """Return the target's bodies (their indices) in groups that touch one another; what stands behind a gap is another wall, and what
+    moves by itself is none."""
+    left, found = [i for i in scene.targets if scene.body[i].velocity is None], []
     while left:
         group = [left.pop(0)]
         for i in group:  # grows while it is walked

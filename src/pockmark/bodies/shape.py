@@ -3,15 +3,15 @@
 import math
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import Annotated, NamedTuple, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field
+from pydantic import Field, ValidationInfo, field_validator
 
 from ..geometry import Mirror
 from ..materials import Model
-from ..units import Length
+from ..units import Length, Velocity
 
 Array = NDArray[np.floating]
 Vector = tuple[Length, Length, Length]
@@ -53,6 +53,14 @@ class Solid(Model):
     spacing: Annotated[Length, Field(gt=0)]
     projectile: Annotated[bool, Field(strict=True)] = False
     rounded: Annotated[bool, Field(strict=True)] = False
+    velocity: tuple[Velocity, Velocity, Velocity] | None = None  # of its own, at the start
+
+    @field_validator("velocity")
+    @classmethod
+    def _moves_in_one_way(cls, velocity: Any, known: ValidationInfo) -> Any:
+        if velocity is not None and known.data.get("projectile"):
+            raise ValueError("found on a projectile, which moves as [impact] says: give one of the two")
+        return velocity
 
     # What a shape must give.
 
