@@ -5,17 +5,19 @@ from typing import Annotated
 from pydantic import Field
 
 from .block import Block
+from .cylinder import Cylinder
 from .overlap import box_gap, overlap
 from .shape import NOISE, Fit, Solid, Vector, require_size
 from .sphere import Sphere
 from .swarm import Swarm
 
-Body = Annotated[Block | Sphere | Swarm, Field(discriminator="shape")]
+Body = Annotated[Block | Sphere | Swarm | Cylinder, Field(discriminator="shape")]
 
 __all__ = [
     "NOISE",
     "Block",
     "Body",
+    "Cylinder",
     "Fit",
     "Solid",
     "Sphere",
