@@ -1,29 +1,29 @@
 """What a reader of a crater's measures must know: sentences for the results, each plain and whole."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .crater import FIT_RADIUS, Crater
-from .forecast import ENOUGH_CELLS_ACROSS
+from .geometry import LEAST_LAYERS, Setup
 from .hole import Hole
 from .results import misplaced
-from .scene import Mirror, Scene
 from .surface import Surface
-from .wall import LEAST_LAYERS, Wall
 
 SETTLED = 0.02  # change of the depth in the last tenth of a run
 ENOUGH_LAYERS = 4  # points through a wall
+ENOUGH_CELLS_ACROSS = 10  # of the grid across the projectile's diameter
 
 
-def missing(snapshot: Mapping[str, NDArray[Any]], scene: Scene, wall: Wall | None) -> Iterator[str]:
+def missing(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Iterator[str]:
     """Say why there is no crater to measure in a snapshot, where that is so."""
-    if not scene.targets:
+    wall = setup.wall
+    if not setup.targets:
         yield "the scene has no target: every body is a projectile, and there is no crater to measure"
     elif wall is None:
-        tops = ", ".join(f"{scene.body[i].box[1][2] * 1e6:.4g} um" for i in scene.targets)
+        tops = ", ".join(f"{top * 1e6:.4g} um" for top in setup.tops)
         yield f"no block of the target has its top at z = 0, where the crater is measured from (found {tops}): nothing is measured"
     elif wall.layers < LEAST_LAYERS:
         yield "the target is one point thick, where neither a crater nor a hole can be told: nothing is measured"
@@ -35,8 +35,9 @@ def missing(snapshot: Mapping[str, NDArray[Any]], scene: Scene, wall: Wall | Non
         yield "no point of the target is left below z = 0: there is no crater to measure"
 
 
-def of_hole(hole: Hole | None, surface: Surface | None, wall: Wall | None) -> Iterator[str]:
+def of_hole(hole: Hole | None, surface: Surface | None, setup: Setup) -> Iterator[str]:
     """Say what a hole makes of the other measures."""
+    wall = setup.wall
     if surface is None or wall is None or not surface.holes.any():
         return
     if hole is None:
@@ -53,10 +54,9 @@ def of_hole(hole: Hole | None, surface: Surface | None, wall: Wall | None) -> It
         yield "every hole reaches the edge of what is computed: its width is not known"
 
 
-def of_crater(
-    crater: Crater | None, surface: Surface | None, wall: Wall | None, mirrors: Sequence[Mirror]
-) -> Iterator[str]:
+def of_crater(crater: Crater | None, surface: Surface | None, setup: Setup) -> Iterator[str]:
     """Say where a crater is too large for its target, mirror images included."""
+    wall = setup.wall
     if crater is None or surface is None or wall is None:
         return
     depth, thickness = crater.depth, wall.thickness
@@ -75,7 +75,7 @@ def of_crater(
         )
         return
     wide = np.ptp(crater.contour, axis=0)
-    doubled = [2 if axis in [m.axis for m in mirrors] else 1 for axis in (0, 1)]
+    doubled = [2 if axis in [m.axis for m in setup.mirrors] else 1 for axis in (0, 1)]
     room = (np.array(wall.upper[:2]) - wall.lower[:2]) * doubled
     axis = int(np.argmax(wide / room))
     if wide[axis] > room[axis] / 2:
@@ -85,8 +85,9 @@ def of_crater(
         )
 
 
-def of_resolution(wall: Wall | None, cells: float | None, change: float | None) -> Iterator[str]:
+def of_resolution(setup: Setup, change: float | None) -> Iterator[str]:
     """Say where the points or the time are too few."""
+    wall, cells = setup.wall, setup.cells_across
     if cells is not None and cells < ENOUGH_CELLS_ACROSS:
         yield (
             f"resolution: {cells:.3g} cells across the projectile, fewer than {ENOUGH_CELLS_ACROSS}: a finer grid gives "

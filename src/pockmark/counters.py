@@ -1,16 +1,40 @@
-"""What each counter of core/audit.hpp counts, for who reads a result."""
+"""The counters of core/audit.hpp, the one list: what each counts, for who reads a result, and which make a run doubtful."""
+
+from typing import NamedTuple
+
+
+class Counter(NamedTuple):
+    """What a counter counts; of an impossible state or a numerical fault also what its points did."""
+
+    what: str
+    doubt: str = ""
+
 
 COUNTERS = {
-    "left_points": "points that left through a free or transmitting face",
-    "lost_points": "points that left through a symmetry or fixed face: a numerical fault",
-    "failed_points": "points whose damage reached one: no more shear, no tension",
-    "melted_points": "of the failed points, those that reached the melting temperature",
-    "failure_treatments": "plastic steps of a point in which the failure treatment changed the law",
-    "eos_caps": "steps of a point whose compression was capped short of the Hugoniot's pole",
-    "return_failures": "steps of a point whose return to the yield surface did not converge: a numerical fault",
-    "node_cutoffs": "steps of a node lighter than numerics.mass_cutoff, whose force was scaled down",
-    "strain_limited_steps": "steps set by numerics.strain_limit, not by the fastest wave",
-    "negative_energies": "steps of a point with less internal energy than at rest, by a thousandth of its heat: impossible",
-    "negative_volumes": "steps of a point without volume: impossible",
-    "negative_temperatures": "steps of a point below 0 K: impossible",
+    "left_points": Counter("points that left through a free or transmitting face"),
+    "lost_points": Counter(
+        "points that left through a symmetry or fixed face: a numerical fault",
+        "left through a symmetry or fixed face",
+    ),
+    "failed_points": Counter("points whose damage reached one: no more shear, no tension"),
+    "melted_points": Counter("of the failed points, those that reached the melting temperature"),
+    "failure_treatments": Counter("plastic steps of a point in which the failure treatment changed the law"),
+    "eos_caps": Counter(
+        "steps of a point whose compression was capped short of the Hugoniot's pole",
+        "were compressed to the limit of their equation of state",
+    ),
+    "return_failures": Counter(
+        "steps of a point whose return to the yield surface did not converge: a numerical fault",
+        "did not return to the yield surface",
+    ),
+    "node_cutoffs": Counter("steps of a node lighter than numerics.mass_cutoff, whose force was scaled down"),
+    "strain_limited_steps": Counter("steps set by numerics.strain_limit, not by the fastest wave"),
+    "negative_energies": Counter(
+        "steps of a point with less internal energy than at rest, by a thousandth of its heat: impossible",
+        "had less internal energy than at rest",
+    ),
+    "negative_volumes": Counter("steps of a point without volume: impossible", "had no volume left"),
+    "negative_temperatures": Counter("steps of a point below 0 K: impossible", "were colder than 0 K"),
 }
+DOUBTFUL = {name: counter.doubt for name, counter in COUNTERS.items() if counter.doubt}
+GONE = ("left_points", "lost_points")  # a run's points are these and those in the grid

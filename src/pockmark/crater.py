@@ -10,10 +10,9 @@ from scipy import ndimage
 
 from .contours import contour_area, largest_contour, open_at_edge, polygon_moments
 from .ellipse import Ellipse, ellipse_of, with_area
+from .geometry import Mirror, Wall
 from .rim import Rim, crest_height, mean_crest, rim_of
-from .scene import Mirror
 from .surface import SIGMA, Surface, target_field
-from .wall import Wall
 
 Array = NDArray[np.float64]
 FIT_RADIUS = 3.0  # of the bottom's paraboloid, spacings

@@ -3,17 +3,9 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from .counters import DOUBTFUL
 from .simulation import Simulation
 
-# Counters of impossible states and of numerical faults, and what their points did.
-IMPOSSIBLE = {
-    "negative_energies": "had less internal energy than at rest",
-    "negative_volumes": "had no volume left",
-    "negative_temperatures": "were colder than 0 K",
-    "eos_caps": "were compressed to the limit of their equation of state",
-    "return_failures": "did not return to the yield surface",
-    "lost_points": "left through a symmetry or fixed face",
-}
 LEDGER_LIMIT = 0.01  # of the initial energy
 
 
@@ -37,7 +29,7 @@ class Doubts:
 
     def note(self, simulation: Simulation, row: Mapping[str, float]) -> None:
         """Look at a row of the history, and at the points where one of its counters has grown."""
-        counted = {name: int(row[name]) for name in IMPOSSIBLE}
+        counted = {name: int(row[name]) for name in DOUBTFUL}
         if counted != self._counted:
             for name, (points, lower, upper) in simulation.impossible().items():
                 if name not in self._places or points > self._places[name].points:
@@ -58,7 +50,7 @@ def doubts(
     """Return why a run is doubtful: by its counters, its largest ledger error as a share of the initial energy, and the time
     (s) of that; `places` by counter, where they are known."""
     out = []
-    for name, what in IMPOSSIBLE.items():
+    for name, what in DOUBTFUL.items():
         if not (count := counters.get(name, 0)):
             continue
         if place := (places or {}).get(name):

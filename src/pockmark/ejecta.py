@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene import Mirror
+from .geometry import Mirror, Setup
 from .surface import attached
 
 Array = NDArray[np.float64]
@@ -31,29 +31,24 @@ class Ejecta:
     mass_by_angle: Array
 
 
-def find_ejecta(
-    snapshot: Mapping[str, NDArray[Any]],
-    spacing: float,
-    mirrors: Sequence[Mirror],
-    walls: Sequence[Sequence[int]] | None = None,
-) -> Ejecta:
+def find_ejecta(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Ejecta:
     """Return the points, of target and projectile alike, that are detached and move upwards (v_z > 0): from the largest piece of
-    each wall, a group of bodies, or of everything where no walls are told."""
+    each wall, or of everything where no walls are told."""
     velocity, mass = snapshot["velocity"], snapshot["mass"]
     owner = None
-    if walls is not None:
+    if setup.walls is not None:
         owner = np.full(len(mass), -1)
-        for number, bodies in enumerate(walls):
+        for number, bodies in enumerate(setup.walls):
             owner[np.isin(snapshot["body"], bodies)] = number
-    hangs = attached(snapshot["position"], snapshot["volume"], spacing, owner)
+    hangs = attached(snapshot["position"], snapshot["volume"], setup.spacing, owner)
     away = ~hangs & (velocity[:, 2] > 0)
-    velocity, mass = velocity[away], mass[away] * copies(mirrors)
+    velocity, mass = velocity[away], mass[away] * copies(setup.mirrors)
     speed = np.linalg.norm(velocity, axis=1)
     angle = np.arccos(np.clip(velocity[:, 2] / np.where(speed > 0, speed, 1.0), -1.0, 1.0))
     fastest = float(speed.max(initial=0.0)) or 1.0
     by_speed, speed_edges = np.histogram(speed, SPEED_BINS, (0.0, fastest), weights=mass)
     by_angle, angle_edges = np.histogram(angle, ANGLE_BINS, (0.0, np.pi / 2), weights=mass)
-    momentum = whole_momentum((mass[:, None] * velocity).sum(axis=0), mirrors)
+    momentum = whole_momentum((mass[:, None] * velocity).sum(axis=0), setup.mirrors)
     kinetic = 0.5 * float(mass @ speed**2)
     return Ejecta(float(mass.sum()), momentum, kinetic, speed_edges, by_speed, angle_edges, by_angle)
 

@@ -1,17 +1,16 @@
 """What is known of a run before it starts: its size, its time, and what a careful analyst would ask."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from scipy.optimize import brentq
 
 from . import _core
-from .bodies import Block, Body, Vector
+from .bodies import Solid
+from .cautions import ENOUGH_CELLS_ACROSS
 from .equations import volume_energy
 from .errors import shown
-from .lattice import count, point_volume
 from .materials import JohnsonCook, Material, MieGruneisen
 from .scene import FACES, Scene
 
@@ -29,7 +28,7 @@ BYTES_PER_ROW = 450  # of the history
 BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 300_000
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
-MIN_CELLS_ACROSS, ENOUGH_CELLS_ACROSS = 4, 10  # of the grid across the projectile's diameter
+MIN_CELLS_ACROSS = 4  # of the grid across the projectile's diameter
 FRAME_SPEED = (
     3000.0  # m/s: below it a plane shock with trilinear functions depends on the frame (docs/theory.md)
 )
@@ -51,7 +50,7 @@ class Forecast:
 
 def forecast(scene: Scene, threads: int) -> Forecast:
     """Forecast points, cells, steps, memory, disk and time of a scene, with warnings."""
-    points = sum(count(body, scene.grid.box) for body in scene.body)
+    points = sum(body.count(scene.grid.box) for body in scene.body)
     steps = math.ceil(scene.steps_about)
     slower = 2.8 if scene.numerics.shape_functions == "quadratic" else 1.0
     rate = TYPICAL_RATE[_core.build_info()["isa"]] * threads
@@ -69,12 +68,9 @@ def forecast(scene: Scene, threads: int) -> Forecast:
 
 
 def cells_across(scene: Scene) -> float | None:
-    """Return the cells of the grid across the smallest projectile: a ball's diameter, a block's least side, with its mirror image; None
-    without a projectile."""
-    across = []
-    for i in scene.projectiles:
-        body = scene.body[i]
-        across.append(_least_side(body, scene) if isinstance(body, Block) else 2 * body.fit.length)
+    """Return the cells of the grid across the smallest projectile, with its mirror image; None without a projectile."""
+    tolerance = 1e-9 * scene.grid.cell
+    across = [scene.body[i].least_width(scene.mirrors, tolerance) for i in scene.projectiles]
     return min(across) / scene.grid.cell if across else None
 
 
@@ -134,9 +130,9 @@ def warnings(scene: Scene) -> list[str]:
 def _impact_warnings(scene: Scene) -> list[str]:
     """Say whether there is an impact at all, and where its depth is measured from."""
     out = []
-    if not scene.projectiles:
+    if not scene.projectiles and not any(body.velocity for body in scene.body):
         out.append("no body is marked projectile = true: nothing moves")
-    elif scene.impact.speed == 0:
+    elif scene.projectiles and scene.impact.speed == 0:
         out.append("impact.speed is 0: nothing moves")
     tops = [scene.body[i].box[1][2] for i in scene.targets]
     if not any(abs(top) <= 0.01 * scene.grid.cell for top in tops):
@@ -206,16 +202,14 @@ def _crater_warnings(scene: Scene) -> list[str]:
     out, settled = [], 0.0
     for i in scene.targets:
         body = scene.body[i]
-        if (
-            not isinstance(body, Block)
-            or (depth := predicted_depth(scene, scene.materials[body.material])) is None
-        ):
+        depth = predicted_depth(scene, scene.materials[body.material])
+        if body.level is None or depth is None:
             continue
         settled = max(settled, settling_time(depth, scene.materials[body.material]))
-        if depth > body.fits[2].length / 2:
+        if depth > body.diameter / 2:
             out.append(
                 f"body[{i}] '{shown(body.name)}': Eq. 22 predicts a crater {depth * 1e6:.3g} um deep, more than half of its thickness, "
-                f"{body.fits[2].length * 1e6:.4g} um: it may be perforated, or the crater feel what lies behind"
+                f"{body.diameter * 1e6:.4g} um: it may be perforated, or the crater feel what lies behind"
             )
         elif wide := _too_wide(scene, depth):
             out.append(f"Eq. 22 predicts a crater {depth * 1e6:.3g} um deep, and so {wide}")
@@ -234,15 +228,14 @@ def predicted_depth(scene: Scene, target: Material) -> float | None:
     if not normal or not isinstance(target.strength, JohnsonCook):
         return None
     depths = [
-        2
-        * ball.fit.length
+        diameter
         * volume_energy(
             normal,
-            projectile_density=scene.materials[ball.material].density,
+            projectile_density=scene.materials[scene.body[i].material].density,
             target_strength=target.strength.A,
         )
         for i in scene.projectiles
-        if not isinstance(ball := scene.body[i], Block)
+        if (diameter := scene.body[i].ball_diameter) is not None
     ]
     return max(depths, default=None)
 
@@ -261,7 +254,7 @@ def _arrival(scene: Scene) -> float:
 
 def _too_wide(scene: Scene, depth: float) -> str:
     """Say along which axis hemispherical craters of this depth (m) take more than half of the grid; empty if along none."""
-    places = [place for i in scene.projectiles for place in _places(scene.body[i])]
+    places = [place for i in scene.projectiles for place in scene.body[i].places]
     for axis, name in enumerate("xy"):
         low, high = min(p[axis] for p in places) - depth, max(p[axis] for p in places) + depth
         left, right = scene.grid.lower[axis], scene.grid.corner[axis]
@@ -278,30 +271,16 @@ def _too_wide(scene: Scene, depth: float) -> str:
     return ""
 
 
-def _places(body: Body) -> Sequence[Vector]:
-    return () if isinstance(body, Block) else body.places
-
-
-def _least_side(block: Block, scene: Scene) -> float:
-    """Return the least side of a block with its mirror images, m."""
-    sides = [fit.length for fit in block.fits]
-    for mirror in scene.mirrors:
-        if abs(block.box[mirror.above][mirror.axis] - mirror.at) <= 1e-9 * scene.grid.cell:
-            sides[mirror.axis] *= 2
-    return min(sides)
-
-
-def _lattice_warnings(body: Body, scene: Scene) -> list[str]:
+def _lattice_warnings(body: Solid, scene: Scene) -> list[str]:
     """Say whether the points are enough for the body and the grid, and what was rounded or fitted."""
-    out = []
-    fits = body.fits if isinstance(body, Block) else (body.fit,)
-    if not isinstance(body, Block) and body.fit.number < 2:
-        out.append("fewer than 4 points across the sphere")
+    out, fits = [], body.fits
+    if body.coarseness:
+        out.append(body.coarseness)
     pitch = max(fit.pitch for fit in fits)
     per_cell = scene.grid.cell / pitch
     if per_cell < 2 * (1 - 1e-9):
         out.append(f"{per_cell:.2g} points a cell along an axis; 2 is the usual least")
-    if body.rounded and abs((ratio := _mass_ratio(body)) - 1) > 0.01:
+    if body.rounded and abs((ratio := body.count() * body.point_volume / body.written_volume) - 1) > 0.01:
         out.append(f"rounded to whole spacings, it has {ratio:.3g} times the mass of the written size")
     elif (closest := min(fit.pitch for fit in fits)) < 0.99 * body.spacing:
         out.append(
@@ -310,16 +289,7 @@ def _lattice_warnings(body: Body, scene: Scene) -> list[str]:
     return out
 
 
-def _mass_ratio(body: Body) -> float:
-    """Return the mass of a body's points over that of its written size."""
-    if isinstance(body, Block):
-        written = math.prod(u - w for w, u in zip(body.lower, body.upper, strict=True))
-    else:
-        written = len(body.places) * 4 / 3 * math.pi * (body.radius or 0.0) ** 3
-    return count(body) * point_volume(body) / written
-
-
-def _short_side_warnings(target: Body, scene: Scene) -> list[str]:
+def _short_side_warnings(target: Solid, scene: Scene) -> list[str]:
     """Name the sides that end less than a cell short of a face which is not free: there is a gap, and they are free."""
     out = []
     for i, (face, kind) in enumerate(zip(FACES, scene.boundary.faces, strict=True)):
@@ -332,7 +302,7 @@ def _short_side_warnings(target: Body, scene: Scene) -> list[str]:
     return out
 
 
-def _face_warnings(projectile: Body, scene: Scene) -> list[str]:
+def _face_warnings(projectile: Solid, scene: Scene) -> list[str]:
     """Name the faces, the one under the target included, that lie closer than two diameters."""
     lower, upper = projectile.box
     diameter = upper[2] - lower[2]

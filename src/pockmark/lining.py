@@ -1,36 +1,29 @@
 """The projectile's material that is left in the crater."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from matplotlib.path import Path
 from numpy.typing import NDArray
+from skimage.measure import points_in_poly
 
 from .crater import FIT_RADIUS, Crater
-from .scene import Mirror
+from .geometry import Setup
 from .surface import with_images
 
 
-def lining(
-    snapshot: Mapping[str, NDArray[Any]],
-    crater: Crater,
-    *,
-    projectile_bodies: Sequence[int],
-    spacing: float,
-    mirrors: Sequence[Mirror],
-) -> tuple[float, float]:
+def lining(snapshot: Mapping[str, NDArray[Any]], crater: Crater, setup: Setup) -> tuple[float, float]:
     """Return the mass (kg, of the whole impact) of the projectile below z = 0 within the pithead, and thickness (m) at the bottom: the
     volume of its points within three spacings of the bottom, seen from above, over that circle's area."""
-    left = np.isin(snapshot["body"], projectile_bodies) & (snapshot["position"][:, 2] < 0)
+    left = np.isin(snapshot["body"], setup.projectiles) & (snapshot["position"][:, 2] < 0)
     position = snapshot["position"][left]
     amounts = np.stack([snapshot[key][left] for key in ("mass", "volume")], axis=1)
-    for mirror in mirrors:
+    for mirror in setup.mirrors:
         position, amounts = with_images(position, amounts, mirror)
     mass, volume = amounts.T
     within = np.zeros(len(position), dtype=bool)
     if crater.contour is not None:
-        within = Path(crater.contour).contains_points(position[:, :2])
-    radius = FIT_RADIUS * spacing
+        within = points_in_poly(position[:, :2], crater.contour)  # type: ignore[no-untyped-call]
+    radius = FIT_RADIUS * setup.spacing
     near = np.hypot(position[:, 0] - crater.bottom[0], position[:, 1] - crater.bottom[1]) < radius
     return float(mass[within].sum()), float(volume[near].sum() / (np.pi * radius**2))

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from .geometry import LEAST_LAYERS, Wall
 from .scene import Scene
 from .simulation import Simulation
 from .surface import EDGE, largest_piece
-from .wall import LEAST_LAYERS, Wall, first_wall
+from .wall import first_wall
 
 Array = NDArray[np.float64]
 OUTSIDE = 1  # nodes that the core keeps beyond each face

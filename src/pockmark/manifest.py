@@ -7,32 +7,11 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from .counters import COUNTERS
+from .counters import COUNTERS, GONE
 from .errors import PockmarkError
+from .ledger import LEDGER
 from .sentences import sentence
 
-# What the history and the manifest hold of the ledger.
-LEDGER = (
-    "kinetic",
-    "internal",
-    "absorbed",
-    "left_kinetic",
-    "left_internal",
-    "viscous",
-    "plastic",
-    "pic",
-    "contact",
-    "initial",
-    "error",
-    "mass",
-    "left_mass",
-    "momentum_x",
-    "momentum_y",
-    "momentum_z",
-    "left_momentum_x",
-    "left_momentum_y",
-    "left_momentum_z",
-)
 Status = Literal["running", "finished", "interrupted", "failed"]
 Count = Annotated[int, Field(ge=0, lt=2**63)]
 Positive = Annotated[float, Field(ge=0)]
@@ -67,7 +46,7 @@ class Measured(_Part):
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
-        if missing := sorted(set(LEDGER) - set(self.ledger)):
+        if missing := sorted(LEDGER.keys() - self.ledger.keys()):
             raise ValueError(f"ledger.{missing[0]}: is missing")
         return self
 
@@ -104,7 +83,7 @@ def parse_manifest(text: str) -> dict[str, Any]:
 def row_as_record(row: Mapping[str, float], cells: int) -> dict[str, Any]:
     """Return a row of the history as the end of a manifest says it, for `Measured` to check."""
     counters = {name: _count(row[name]) for name in COUNTERS if name in row}
-    gone = (row.get(name, 0.0) for name in ("left_points", "lost_points"))
+    gone = (row.get(name, 0.0) for name in GONE)
     return {
         "run": {
             "points": _count(row.get("points", math.nan) + sum(gone)),

@@ -17,7 +17,8 @@ from skimage.segmentation import watershed
 from .contours import polygon_moments
 from .crater import Openings, Pithead, floor_of
 from .ellipse import Ellipse, ellipse_of
-from .surface import Surface
+from .geometry import Setup
+from .surface import Surface, with_image
 
 Array = NDArray[np.float64]
 SMOOTH = 1.4  # nodes: the deviation of the Gaussian that the floor is smoothed with to find bottoms; it would level ridges
@@ -60,6 +61,16 @@ class Group:
     ridges: list[Ridge]
     spacing: float
     holes: int = 0
+
+
+def group_of(surface: Surface | None, setup: Setup) -> Group | None:
+    """Return the craters of a scene's swarm in the surface that it left; None without a swarm or a crater."""
+    if surface is None or not setup.hits:
+        return None
+    hits = np.array(setup.hits)
+    for mirror in setup.mirrors:
+        hits = with_image(hits, mirror)
+    return measure_group(surface, hits, setup.pitch)
 
 
 def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:

@@ -1,6 +1,6 @@
 """Pictures of a run: the slice through the crater (the panels of Liu et al. 2015, Figs. 5 and 8) and the history."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +14,8 @@ from numpy.typing import NDArray
 
 from .crater import Crater
 from .errors import shown
+from .geometry import Setup
+from .ledger import DRAWN, LEFT_ENERGIES
 from .snapshot import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
@@ -22,25 +24,7 @@ AIR = "#e8eef4"  # neither a target's colour nor the projectile's white
 TARGETS = ("#999999", "#7a9cc6", "#c69c6d", "#8fb08c", "#a88bb5", "#c98686")
 STRESS = ScalarMappable(Normalize(0.0, 600.0), "viridis")
 PRESSURE = ScalarMappable(Normalize(-600.0, 600.0), "coolwarm")
-ENERGIES = ("kinetic", "internal", "absorbed")
-HISTORY_COLUMNS = ("time", *ENERGIES, "left_kinetic", "left_internal", "error", "initial", "depth")
-
-
-@dataclass(frozen=True)
-class Cast:
-    """Who is in a picture: the names of the bodies, by index, and which of them are projectiles."""
-
-    names: Sequence[str]
-    projectiles: Sequence[int]
-
-    @property
-    def targets(self) -> list[int]:
-        """Indices of the other bodies."""
-        return [i for i in range(len(self.names)) if i not in self.projectiles]
-
-    def colour(self, body: int) -> str:
-        """Return white for a projectile; the targets differ."""
-        return TARGETS[self.targets.index(body) % len(TARGETS)] if body in self.targets else "#ffffff"
+HISTORY_COLUMNS = ("time", *DRAWN, *LEFT_ENERGIES, "error", "initial", "depth")
 
 
 @dataclass(frozen=True)
@@ -57,9 +41,10 @@ class Cut:
     time: float  # ns
 
     @classmethod
-    def of(cls, snapshot: Fields, cast: Cast, plane: float, spacing: float, across: int = 1) -> "Cut":
-        """Return the slice through the plane y = `plane` (m), or x = `plane` with `across` 0; of points that are somewhere."""
-        near = np.abs(snapshot["position"][:, across] - plane) < spacing
+    def of(cls, snapshot: Fields, setup: Setup) -> "Cut":
+        """Return the slice through the plane of the picture; of points that are somewhere."""
+        across = slice_axis(setup)
+        near = np.abs(snapshot["position"][:, across] - slice_plane(setup)) < setup.spacing
         near &= np.isfinite(snapshot["position"]).all(axis=1) & (snapshot["volume"] > 0)
         position, body = snapshot["position"][near] * 1e6, snapshot["body"][near]
         return cls(
@@ -69,7 +54,7 @@ class Cut:
             effective_stress(snapshot["deviator"][near]) / 1e6,
             snapshot["pressure"][near] / 1e6,
             body,
-            np.isin(body, cast.projectiles),
+            np.isin(body, setup.projectiles),
             float(snapshot["time"][0]) * 1e9,
         )
 
@@ -89,24 +74,21 @@ class Cut:
 
 def slice_figure(
     snapshot: Fields,
-    cast: Cast,
+    setup: Setup,
     *,
-    plane: float,
-    spacing: float,
     crater: Crater | None,
     title: str,
-    across: int = 1,
     is_perforated: bool = False,
 ) -> Figure:
-    """Draw the points within one `spacing` (m) of y = `plane`, or x = `plane` with `across` 0: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
-    cut = Cut.of(snapshot, cast, plane, spacing, across)
+    """Draw the points within one spacing of the plane of the picture: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
+    cut, across = Cut.of(snapshot, setup), slice_axis(setup)
     limits = cut.limits
     figure = Figure(figsize=_size(limits), layout="compressed")
     FigureCanvasAgg(figure)
     figure.suptitle(shown(title, 80), parse_math=False)
     panels = figure.subplots(3, 1, sharex=True, sharey=True)
     colours = [
-        np.asarray([cast.colour(body) for body in cut.body]),
+        np.asarray([_colour(setup, body) for body in cut.body]),
         STRESS.to_rgba(cut.stress),
         PRESSURE.to_rgba(cut.pressure),
     ]
@@ -124,16 +106,14 @@ def slice_figure(
             axes.set_title("perforated", loc="right", color="crimson")
         if len(cut.x) == 0:
             axes.text(0.5, 0.3, "no point is left in this plane", ha="center", transform=axes.transAxes)
-    if len(cast.targets) > 1:
-        _name_targets(panels[0], cast)
+    if len(setup.targets) > 1:
+        _name_targets(panels[0], setup)
     return figure
 
 
-def process_figure(
-    snapshots: Iterable[Fields], cast: Cast, *, plane: float, spacing: float, across: int = 1
-) -> Figure:
+def process_figure(snapshots: Iterable[Fields], setup: Setup) -> Figure:
     """Draw effective stress above, pressure below, a column a snapshot: the panels of Liu et al. 2015, Figs. 5 and 8."""
-    cuts = [Cut.of(snapshot, cast, plane, spacing, across) for snapshot in snapshots]
+    cuts, across = [Cut.of(snapshot, setup) for snapshot in snapshots], slice_axis(setup)
     limits = cuts[-1].limits
     wide, high = (end - start for start, end in limits)
     figure = Figure(figsize=(3 * len(cuts) + 1, 6 * high / wide + 1), layout="compressed")
@@ -154,6 +134,26 @@ def process_figure(
         cut.draw(column[0], np.asarray(STRESS.to_rgba(cut.stress)))
         cut.draw(column[1], np.asarray(PRESSURE.to_rgba(cut.pressure)))
     return figure
+
+
+def slice_axis(setup: Setup) -> int:
+    """Return the axis across the picture's slice: y, or x where the projectiles move rather along y."""
+    x, y = setup.heading
+    return 1 if abs(x) >= abs(y) else 0
+
+
+def slice_plane(setup: Setup) -> float:
+    """Return where the picture's slice lies on that axis, m: at a symmetry plane, or else through the first projectile."""
+    axis = slice_axis(setup)
+    for mirror in setup.mirrors:
+        if mirror.axis == axis:
+            return mirror.at
+    return setup.centre[axis]
+
+
+def _colour(setup: Setup, body: int) -> str:
+    """Return white for a projectile; the targets differ."""
+    return TARGETS[setup.targets.index(body) % len(TARGETS)] if body in setup.targets else "#ffffff"
 
 
 def _limits(x: Array, z: Array, z_target: Array) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -195,12 +195,12 @@ def _mark_depth(axes: Axes, crater: Crater | None, across: int) -> None:
     axes.set_title(f"$C_p$ = {depth:.1f} um", loc="right", color="crimson")
 
 
-def _name_targets(axes: Axes, cast: Cast) -> None:
-    squares = [axes.scatter([], [], color=cast.colour(body), marker="s") for body in cast.targets]
+def _name_targets(axes: Axes, setup: Setup) -> None:
+    squares = [axes.scatter([], [], color=_colour(setup, body), marker="s") for body in setup.targets]
     legend = axes.legend(squares, ["target"] * len(squares), loc="upper left", fontsize="small", ncols=2)
     # The names come last, for matplotlib leaves out labels that begin with "_".
-    for text, body in zip(legend.get_texts(), cast.targets, strict=True):
-        text.set(text=shown(cast.names[body], 40), parse_math=False)
+    for text, body in zip(legend.get_texts(), setup.targets, strict=True):
+        text.set(text=shown(setup.names[body], 40), parse_math=False)
 
 
 def history_figure(history: Fields) -> Figure:
@@ -212,9 +212,9 @@ def history_figure(history: Fields) -> Figure:
     figure = Figure(figsize=(8, 9), layout="constrained")
     FigureCanvasAgg(figure)
     energy, error, depth = figure.subplots(3, 1, sharex=True)
-    for name in ENERGIES:
+    for name in DRAWN:
         energy.plot(time, history[name] / scale, label=name)
-    energy.plot(time, (history["left_kinetic"] + history["left_internal"]) / scale, label="left the grid")
+    energy.plot(time, sum(history[name] for name in LEFT_ENERGIES) / scale, label="left the grid")
     energy.set(ylabel="energy / initial kinetic energy" if shares else "energy (J)")
     energy.legend()
     error.plot(time, history["error"] / scale * (100 if shares else 1))

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .lattice import lattice, point_volume
 from .scene import Scene
 
 Array = NDArray[np.float64]
@@ -27,10 +26,10 @@ class Points:
 def make_points(scene: Scene) -> Iterator[Points]:
     """Make all points of a scene, piece by piece; what lies behind a symmetry plane is dropped."""
     for index, body in enumerate(scene.body):
-        x = lattice(body, scene.grid.box)
-        volume = point_volume(body)
+        x = body.lattice(scene.grid.box)
+        volume = body.point_volume
         mass = volume * scene.materials[body.material].density
-        velocity = scene.impact.velocity if body.projectile else (0.0, 0.0, 0.0)
+        velocity = scene.velocity(body)
         for start in range(0, len(x), PIECE):
             position = np.asarray(x[start : start + PIECE], dtype=np.float64)
             n = len(position)

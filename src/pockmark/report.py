@@ -141,4 +141,4 @@ def _counted(result: Results) -> Iterator[tuple[str, str]]:
     if not counted:
         yield "counted", "nothing"
     for name, count in counted.items():
-        yield name, f"{count:,} {COUNTERS.get(name, '')}"
+        yield name, f"{count:,} {COUNTERS[name].what if name in COUNTERS else ''}"

@@ -1,6 +1,6 @@
 """A run's results as numbers with stable keys, SI."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -10,16 +10,15 @@ from numpy.typing import NDArray
 from .crater import Crater, measure_crater
 from .ejecta import copies, enhancement, find_ejecta, whole_momentum
 from .ellipse import Ellipse
+from .geometry import LEAST_LAYERS, Setup
 from .hole import Hole, measure_hole
+from .ledger import LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from .lining import lining
 from .modes import bottoms_of, measures_of, mode_of
 from .morphology import Group, Pit
-from .scene import Mirror
 from .surface import Field, Surface, target_field
 from .uncertainty import LEVELS, half_difference, uncertainties
-from .wall import LEAST_LAYERS, Wall
 
-SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
 SHAPE = (
     "major_axis",
     "minor_axis",
@@ -45,15 +44,14 @@ EJECTA = (
 )
 
 
-def field_of(
-    snapshot: Mapping[str, NDArray[Any]], wall: Wall | None, mirrors: Sequence[Mirror]
-) -> Field | None:
+def field_of(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Field | None:
     """Return the wall near its crater in a snapshot of all points; None if nothing of it is open, or the points are no longer anywhere."""
+    wall = setup.wall
     if wall is None or wall.layers < LEAST_LAYERS or misplaced(snapshot):
         return None
     is_target = np.isin(snapshot["body"], wall.bodies)
     position, volume = snapshot["position"][is_target], snapshot["volume"][is_target]
-    return target_field(position, volume, wall.spacing, mirrors=mirrors, wall=wall)
+    return target_field(position, volume, wall.spacing, mirrors=setup.mirrors, wall=wall)
 
 
 def misplaced(snapshot: Mapping[str, NDArray[Any]]) -> int:
@@ -72,36 +70,28 @@ def morphology_table(
     snapshot: Mapping[str, NDArray[Any]],
     field: Field | None,
     crater: Crater | None,
-    *,
-    projectile_bodies: Sequence[int],
-    projectile_mass: float,
-    spacing: float,
-    mirrors: Sequence[Mirror],
-    heading: tuple[float, float] = (1.0, 0.0),
+    setup: Setup,
 ) -> dict[str, Any]:
-    """Return the crater's shape, lining and uncertainties, SI; None for what there is not. `projectile_mass` in kg at the start,
-    `heading` the unit vector (x, y) that the projectiles move along."""
+    """Return the crater's shape, lining and uncertainties, SI; None for what there is not."""
     shape: dict[str, Any] = dict.fromkeys(SHAPE)
     if field is None or crater is None:
         return shape
-    mass, thickness = lining(
-        snapshot, crater, projectile_bodies=projectile_bodies, spacing=spacing, mirrors=mirrors
-    )
-    low, high = (measure_crater(field.surface(level), heading) for level in LEVELS)
+    mass, thickness = lining(snapshot, crater, setup)
+    low, high = (measure_crater(field.surface(level), setup.heading) for level in LEVELS)
     shape |= {
         "bottom_x": crater.bottom[0],
         "bottom_y": crater.bottom[1],
         "rim_height": crater.rim_height,
         "rim_diameter": crater.rim_diameter,
-        "lining_fraction": _ratio(mass, copies(mirrors) * projectile_mass),
+        "lining_fraction": _ratio(mass, copies(setup.mirrors) * setup.projectile_mass),
         "lining_thickness": thickness,
-        "uncertainty": uncertainties(crater, (low, high), spacing),
+        "uncertainty": uncertainties(crater, (low, high), setup.spacing),
     }
     if (ellipse := crater.pithead) is not None:
         shape |= _axes(ellipse) | {
             "centre_x": ellipse.centre[0],
             "centre_y": ellipse.centre[1],
-            "e1": ellipse.e1(crater.bottom, heading),
+            "e1": ellipse.e1(crater.bottom, setup.heading),
             "e2": ellipse.e2,
             "depth_over_major_axis": crater.depth / ellipse.major,
             "depth_over_minor_axis": crater.depth / ellipse.minor,
@@ -141,9 +131,9 @@ def depth_change(time: NDArray[np.float64], depth: NDArray[np.float64]) -> float
     return float(np.ptp(late) / depth[-1]) if np.isfinite(late).all() else None
 
 
-def group_table(group: Group, *, oblique: bool, heading: tuple[float, float] = (1.0, 0.0)) -> dict[str, Any]:
+def group_table(group: Group, setup: Setup) -> dict[str, Any]:
     """Return the craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on, where no ball
-    went through. `heading`: the unit vector (x, y) that the projectiles move along."""
+    went through."""
     table: dict[str, Any] = {
         "craters": len(group.pits),
         "pitheads": len({pit.hollow for pit in group.pits}),
@@ -155,8 +145,8 @@ def group_table(group: Group, *, oblique: bool, heading: tuple[float, float] = (
     }
     if len(group.pits) < 2 or group.holes:
         return table
-    depths, measures = [pit.depth for pit in group.pits], measures_of(group, heading)
-    mode = mode_of(measures, oblique=oblique)
+    depths, measures = [pit.depth for pit in group.pits], measures_of(group, setup.heading)
+    mode = mode_of(measures, oblique=setup.is_oblique)
     mean = float(np.mean(depths))
     return table | {
         "mode": mode.number,
@@ -192,18 +182,14 @@ def _pit_table(pit: Pit) -> dict[str, Any]:
 def ejecta_table(
     snapshot: Mapping[str, NDArray[Any]],
     ledger: Mapping[str, float],
+    setup: Setup,
     *,
-    projectile_momentum: float,
-    spacing: float,
-    mirrors: Sequence[Mirror],
-    walls: Sequence[Sequence[int]],
     is_open: bool = False,
 ) -> dict[str, Any]:
     """Return the ejecta in the grid and what left it, of the whole impact, SI; of what is in the grid None where points are no longer
-    anywhere. `projectile_momentum`: into the target, of what is computed, at the start, kg m/s; `walls`: the target's bodies
-    that touch; `is_open`: some fly through the wall, and beta is None."""
-    n = copies(mirrors)
-    left = whole_momentum(n * np.array([ledger[f"left_momentum_{axis}"] for axis in "xyz"]), mirrors)
+    anywhere. `is_open`: some fly through the wall, and beta is None."""
+    n = copies(setup.mirrors)
+    left = whole_momentum(n * np.array([ledger[key] for key in LEFT_MOMENTUM]), setup.mirrors)
     table: dict[str, Any] = dict.fromkeys(EJECTA) | {
         "left_mass": n * ledger["left_mass"],
         "left_momentum": left.tolist(),
@@ -211,8 +197,8 @@ def ejecta_table(
     }
     if misplaced(snapshot):
         return table
-    found = find_ejecta(snapshot, spacing, mirrors, walls)
-    beta = None if is_open else enhancement(float(found.momentum[2] + left[2]), n * projectile_momentum)
+    found = find_ejecta(snapshot, setup)
+    beta = None if is_open else enhancement(float(found.momentum[2] + left[2]), n * setup.momentum)
     return table | {
         "mass": found.mass,
         "momentum": found.momentum.tolist(),
@@ -228,7 +214,7 @@ def ejecta_table(
 def result_table(
     crater: Crater | None,
     crater_time: float | None,
-    projectile_diameter: float,
+    setup: Setup,
     ledger: Mapping[str, float],
     run: Mapping[str, Any],
     counters: Mapping[str, int],
@@ -239,7 +225,7 @@ def result_table(
     initial = ledger["initial"]
     joules = {key: ledger[key] for key in SHARES} | {
         "residual_internal": ledger["internal"] + ledger["left_internal"],
-        "left": ledger["left_kinetic"] + ledger["left_internal"],
+        "left": sum(ledger[key] for key in LEFT_ENERGIES),
         "ledger_error": ledger["error"],
     }
     return {
@@ -247,12 +233,12 @@ def result_table(
             "depth": depth,
             "diameter": diameter,
             "volume": crater.volume if crater else None,
-            "depth_over_projectile_diameter": _ratio(depth, projectile_diameter),
+            "depth_over_projectile_diameter": _ratio(depth, setup.projectile_diameter),
             "depth_over_diameter": _ratio(depth, diameter),
             "time": crater_time,
         },
         "energy": {key: _ratio(value, initial) for key, value in joules.items()},
-        "run": dict(run),
+        "run": dict(run) | {"cells_across_projectile": setup.cells_across},
         "counters": dict(counters),
     }
 

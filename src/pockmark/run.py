@@ -1,36 +1,32 @@
 """A run from scene to measured folder."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from . import cautions, results
-from .bodies import Block, Swarm
+from . import results
+from .counters import GONE
 from .doubts import doubts
 from .errors import PockmarkError
 from .files import replaced, told
 from .forecast import MIN_CELLS_ACROSS, cells_across, frame_warnings, is_too_coarse
+from .geometry import Setup
 from .hole import measure_hole
-from .lattice import count, point_volume
-from .morphology import Group, measure_group
-from .plots import HISTORY_COLUMNS, Cast, history_figure, process_figure, slice_figure
+from .measures import UNWARNED, measures, surface_of, worst_error
+from .plots import HISTORY_COLUMNS, history_figure, process_figure, slice_figure
 from .report import standing
 from .scene import Scene
+from .setup import setup_of
 from .simulation import Simulation, Task
 from .snapshot import Snapshot
 from .stop import heard_between_steps
 from .store import UNENDED, RunFolder, finite, now
-from .surface import Field, Surface, with_image
+from .surface import Surface
 from .tasks import History, ProgressBar, Snapshots
-from .wall import first_wall, walls
-
-# What a measure makes of absurd fields is no number then: null in the table, and a sentence, not a warning of NumPy's.
-UNWARNED = np.errstate(all="ignore")
 
 
 def run_scene(
@@ -100,16 +96,14 @@ def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
     """Return what a run's manifest says at the end, beside what it has said from the start on."""
-    scene = simulation.scene
+    scene, counters = simulation.scene, simulation.counters()
     return {
         "status": status,
         "ended": now(),
         "threads": simulation.threads,
         "failure_treatment": treatments(scene),
         "run": {
-            "points": simulation.points
-            + simulation.counters()["left_points"]
-            + simulation.counters()["lost_points"],
+            "points": simulation.points + sum(counters[name] for name in GONE),
             "cells": scene.grid.cell_count,
             "steps": simulation.steps,
             "time": simulation.time,
@@ -117,7 +111,7 @@ def _end(simulation: Simulation, status: str) -> dict[str, Any]:
             "max_compression": simulation.max_compression,
         },
         "ledger": simulation.ledger(),
-        "counters": simulation.counters(),
+        "counters": counters,
         "timers": simulation.timers(),
         "memory_bytes": simulation.memory(),
     }
@@ -135,7 +129,6 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
     record = folder.record(scene.grid.cell_count)
-    ledger = record.joules
     run = record.run.model_dump() | {
         "failure_treatment": treatments(scene),
         "scheme": scene.numerics.scheme,
@@ -147,95 +140,14 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     }
     history = folder.history("error", "initial")
     snapshot = _in_the_grid(folder.last_snapshot(), scene)
-    table = measures(snapshot, scene, ledger, run, record.counters, history, record.doubts)
-    return dict(finite(table))
-
-
-def measures(
-    snapshot: Mapping[str, NDArray[Any]],
-    scene: Scene,
-    ledger: Mapping[str, float],
-    run: Mapping[str, Any],
-    counters: Mapping[str, int],
-    history: Mapping[str, NDArray[np.float64]],
-    said: Sequence[str] | None = None,
-) -> dict[str, Any]:
-    """Return the tables of `measure_run`, of the state in a snapshot and what a run says of itself; the doubts that it `said`, None for
-    a run that did not come to say them."""
-    wall = first_wall(scene)
-    field = results.field_of(snapshot, wall, scene.mirrors)
-    surface = _surface(field)
-    crater, mass = results.crater_of(surface, scene.impact.heading), _projectile_mass(scene)
-    hole = None if surface is None else measure_hole(surface)
-    is_open = surface is not None and bool(surface.holes.any())
-    cells = cells_across(scene)
-    table = results.result_table(
-        crater,
-        float(snapshot["time"][0]),
-        _projectile_diameter(scene),
-        ledger,
-        dict(run) | {"cells_across_projectile": cells},
-        counters,
-    )
-    table["crater"] |= results.morphology_table(
-        snapshot,
-        field,
-        crater,
-        projectile_bodies=scene.projectiles,
-        projectile_mass=mass,
-        spacing=_target_spacing(scene),
-        mirrors=scene.mirrors,
-        heading=scene.impact.heading,
-    )
-    no_wall = [*cautions.missing(snapshot, scene, wall)]
-    is_told = not no_wall and (hole is not None or not is_open)
-    table["crater"] |= results.hole_table(field, hole) if is_told else dict.fromkeys(results.HOLE)
-    change = (
-        results.depth_change(history["time"], history["depth"])
-        if {"time", "depth"} <= history.keys()
-        else None
-    )
-    table["crater"]["depth_change_last_tenth"] = change
-    if group := group_of(surface, scene):
-        table["group"] = results.group_table(
-            group, oblique=scene.impact.angle != 0, heading=scene.impact.heading
-        )
-    table["ejecta"] = results.ejecta_table(
-        snapshot,
-        ledger,
-        projectile_momentum=-mass * scene.impact.velocity[2],
-        spacing=_target_spacing(scene),
-        mirrors=scene.mirrors,
-        walls=walls(scene),
-        is_open=is_open,
-    )
-    table["warnings"] = [
-        *no_wall,
-        *cautions.of_hole(hole, surface, wall),
-        *cautions.of_crater(crater, surface, wall, scene.mirrors),
-        *cautions.of_resolution(wall, cells, change),
-        *frame_warnings(scene),
-    ]
-    error = _ledger_error(history)
-    worst = int(np.argmax(error)) if len(error) else None
-    table["energy"]["ledger_error_max"] = None if worst is None else float(error[worst])
-    if said is None:
-        known = worst is not None and "time" in history
-        share, when = (float(error[worst]), float(history["time"][worst])) if known else (0.0, 0.0)
-        said = doubts(counters, share, when)
+    table = measures(snapshot, setup_of(scene), record.joules, run, record.counters, history)
+    table["warnings"] += frame_warnings(scene)
+    said = record.doubts
+    if said is None:  # the run did not come to say them
+        worst, when = worst_error(history) or (0.0, None)
+        said = doubts(record.counters, worst if when is not None else 0.0, when or 0.0)
     table["doubts"], table["run"]["doubtful"] = [*said], bool(said)
-    return table
-
-
-def _ledger_error(history: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Return the size of the ledger error in each row, as a share of the initial energy; empty where there is none."""
-    if (
-        not {"error", "initial"} <= history.keys()
-        or not len(history["initial"])
-        or not history["initial"][0] > 0
-    ):
-        return np.zeros(0)
-    return np.asarray(np.abs(history["error"]) / history["initial"][0])
+    return dict(finite(table))
 
 
 @UNWARNED
@@ -244,17 +156,14 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
     target = Path(out) if out else folder.path
-    snapshot = _in_the_grid(folder.last_snapshot(), scene)
+    snapshot, setup = _in_the_grid(folder.last_snapshot(), scene), setup_of(scene)
     title = scene.title or folder.path.name
-    surface = _surface(_field(snapshot, scene))
+    surface = _surface(snapshot, setup)
     figures = {
         "crater.png": slice_figure(
             snapshot,
-            _cast(scene),
-            plane=_slice_plane(scene),
-            across=_slice_axis(scene),
-            spacing=_target_spacing(scene),
-            crater=results.crater_of(surface, scene.impact.heading),
+            setup,
+            crater=results.crater_of(surface, setup.heading),
             is_perforated=surface is not None and measure_hole(surface) is not None,
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns"
             + (f" ({status})" if status in UNENDED else ""),
@@ -269,25 +178,12 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
     return [target / name for name in figures]
 
 
-def group_of(surface: Surface | None, scene: Scene) -> Group | None:
-    """Return the craters of the scene's swarm in the surface that it left; None without a swarm or a crater."""
-    swarms = [body for i in scene.projectiles if isinstance(body := scene.body[i], Swarm)]
-    if not swarms or surface is None:
-        return None
-    centers = np.array(swarms[0].centers)
-    x, y, z = scene.impact.velocity
-    hits = centers[:, :2] + np.outer(centers[:, 2], [x / -z, y / -z] if z else [0.0, 0.0])
-    for mirror in scene.mirrors:
-        hits = with_image(hits, mirror)
-    return measure_group(surface, hits, swarms[0].distance)
-
-
 @UNWARNED
 def surface_of_run(path: str | Path) -> Surface | None:
     """Return the target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
     folder = RunFolder.open(path)
     scene = folder.scene()
-    return _surface(_field(_in_the_grid(folder.last_snapshot(), scene), scene))
+    return _surface(_in_the_grid(folder.last_snapshot(), scene), setup_of(scene))
 
 
 @UNWARNED
@@ -298,13 +194,7 @@ def plot_process(path: str | Path) -> Figure:
     snapshots = [_in_the_grid(Snapshot(file), scene) for file in folder.snapshots()[-4:]]
     if not snapshots:
         raise PockmarkError(f"{path}: holds no snapshot")
-    return process_figure(
-        snapshots,
-        _cast(scene),
-        plane=_slice_plane(scene),
-        across=_slice_axis(scene),
-        spacing=_target_spacing(scene),
-    )
+    return process_figure(snapshots, setup_of(scene))
 
 
 def standing_of(path: str | Path) -> str:
@@ -332,51 +222,5 @@ def _in_the_grid(snapshot: Snapshot, scene: Scene) -> Snapshot:
     return snapshot
 
 
-def _field(snapshot: Mapping[str, NDArray[Any]], scene: Scene) -> Field | None:
-    return results.field_of(snapshot, first_wall(scene), scene.mirrors)
-
-
-def _surface(field: Field | None) -> Surface | None:
-    return None if field is None else field.surface()
-
-
-def _cast(scene: Scene) -> Cast:
-    return Cast([body.name for body in scene.body], scene.projectiles)
-
-
-def _slice_axis(scene: Scene) -> int:
-    """Return the axis across the picture's slice: y, or x where the projectiles move rather along y."""
-    x, y = scene.impact.heading
-    return 1 if abs(x) >= abs(y) else 0
-
-
-def _slice_plane(scene: Scene) -> float:
-    """Return where the picture's slice lies on that axis, m: at a symmetry plane, or else through the first projectile."""
-    axis = _slice_axis(scene)
-    for mirror in scene.mirrors:
-        if mirror.axis == axis:
-            return mirror.at
-    if scene.projectiles:
-        return scene.body[scene.projectiles[0]].axis[axis]
-    return (scene.grid.lower[axis] + scene.grid.corner[axis]) / 2
-
-
-def _target_spacing(scene: Scene) -> float:
-    """Return the coarsest of the target's, m; the projectile's where there is no target."""
-    return max(scene.body[i].spacing for i in scene.targets or scene.projectiles)
-
-
-def _projectile_mass(scene: Scene) -> float:
-    """Return the mass of the projectiles' points at the start, kg, of what is computed."""
-    bodies = [scene.body[i] for i in scene.projectiles]
-    return sum(
-        count(b, scene.grid.box) * point_volume(b) * scene.materials[b.material].density for b in bodies
-    )
-
-
-def _projectile_diameter(scene: Scene) -> float:
-    """Return the diameter of the first projectile, a block's height, as its points fill it, m; 0 without one."""
-    if not scene.projectiles:
-        return 0.0
-    body = scene.body[scene.projectiles[0]]
-    return body.fits[2].length if isinstance(body, Block) else 2 * body.fit.length
+def _surface(snapshot: Snapshot, setup: Setup) -> Surface | None:
+    return surface_of(results.field_of(snapshot, setup))

@@ -5,15 +5,14 @@ import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from .bodies import Body, Sphere, Swarm, Vector, overlap, require_size
+from .bodies import Body, Solid, Vector, overlap, require_size
 from .errors import PockmarkError, found, together
-from .lattice import count, size
+from .geometry import Mirror
 from .materials import Material, Model, complete
 from .overrides import override
 from .sentences import faults
@@ -85,15 +84,6 @@ class Boundary(Model):
     def faces(self) -> tuple[FaceKind, ...]:
         """The six faces in the core's order."""
         return (self.x_lower, self.x_upper, self.y_lower, self.y_upper, self.z_lower, self.z_upper)
-
-
-@dataclass(frozen=True)
-class Mirror:
-    """A symmetry plane at coordinate `at` (m) of an axis; `above`: it is the upper face of what is computed."""
-
-    axis: int
-    at: float
-    above: bool
 
 
 class Impact(Model):
@@ -210,15 +200,14 @@ class Scene(Model):
 
     @field_validator("body")
     @classmethod
-    def _swarms_are_resolved(cls, bodies: tuple[Body, ...], known: ValidationInfo) -> tuple[Body, ...]:
+    def _are_resolved(cls, bodies: tuple[Body, ...], known: ValidationInfo) -> tuple[Body, ...]:
         materials = known.data.get("materials", {})  # none if they are faulty themselves
         out: list[Body] = []
         told = []
         for body in bodies:
             try:
-                if isinstance(body, Swarm) and body.material in materials:
-                    body = _resolved(body, materials[body.material].density)
-                out.append(body)
+                material = materials.get(body.material)
+                out.append(body.resolved(material.density) if material else body)
             except ValueError as error:
                 told.append(f"'{body.name}': {error}")
         if told:
@@ -256,10 +245,10 @@ class Scene(Model):
     def _points_can_be_numbered(self) -> Iterator[str]:
         total = 0.0
         for i, body in enumerate(self.body):
-            total += size(body)
+            total += body.points_about
             if not total <= MAX_POINTS:
                 key = f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m"
-                yield f"{key} makes {size(body):.3g} points, at most {MAX_POINTS} fit"
+                yield f"{key} makes {body.points_about:.3g} points, at most {MAX_POINTS} fit"
                 return
 
     def _bodies_fit(self) -> Iterator[str]:
@@ -285,14 +274,17 @@ class Scene(Model):
 
     def _bodies_have_points(self) -> Iterator[str]:
         for i, body in enumerate(self.body):
-            if count(body, self.grid.box) == 0:
+            if body.count(self.grid.box) == 0:
                 yield f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m leaves it without points"
 
     def _symmetry_planes_are_kept(self) -> Iterator[str]:
         impact = self.impact
-        for mirror in self.mirrors if self.projectiles else ():
-            if impact.velocity[mirror.axis]:
-                face = FACES[2 * mirror.axis + mirror.above]
+        for mirror in self.mirrors:
+            face = FACES[2 * mirror.axis + mirror.above]
+            for i, body in enumerate(self.body):
+                if body.velocity and body.velocity[mirror.axis]:
+                    yield f"body[{i}] '{body.name}': its velocity moves it across the symmetry plane {face}: compute what lies behind it, too"
+            if self.projectiles and impact.velocity[mirror.axis]:
                 yield (
                     f"impact.angle: {math.degrees(impact.angle):g} deg at an azimuth of {math.degrees(impact.azimuth):g} deg moves "
                     f"the projectiles across the symmetry plane {face}: compute what lies behind it, too, or turn impact.azimuth"
@@ -311,7 +303,7 @@ class Scene(Model):
                 least = f"at least end_time/{MAX_OUTPUTS:.0e} = {self.end_time / MAX_OUTPUTS:g} s is needed"
                 yield f"output.{key}: found {interval:g} s, {least}"
 
-    def _outside(self, key: str, body: Body) -> Iterator[str]:
+    def _outside(self, key: str, body: Solid) -> Iterator[str]:
         """Check that what a body's points fill lies in the grid, but for half a spacing of a `rounded` body, whose points themselves do; a
         sphere may be cut by a symmetry plane through its centre."""
         tolerance = 1e-9 * self.grid.cell
@@ -322,11 +314,7 @@ class Scene(Model):
             beyond = upper[axis] - limit if is_upper else limit - lower[axis]
             if beyond <= tolerance + (body.spacing / 2 if body.rounded and kind != "symmetry" else 0.0):
                 continue
-            if (
-                kind == "symmetry"
-                and isinstance(body, Sphere)
-                and abs(body.places[0][axis] - limit) <= tolerance
-            ):
+            if kind == "symmetry" and body.is_halved_by(axis, limit, tolerance):
                 continue
             yield f"{key}: reaches {beyond * 1e6:.4g} um outside the grid's face {face}"
 
@@ -357,10 +345,16 @@ class Scene(Model):
         """Indices of the other bodies."""
         return tuple(i for i, b in enumerate(self.body) if not b.projectile)
 
+    def velocity(self, body: Body) -> tuple[float, float, float]:
+        """Return how a body moves at the start, m/s: a projectile with the impact, another as it says itself."""
+        return self.impact.velocity if body.projectile else body.velocity or (0.0, 0.0, 0.0)
+
     @property
     def wave_speed(self) -> float:
-        """The fastest sound at rest, and the projectile's speed, m/s."""
-        return max(m.dilatational_speed for m in self.materials.values()) + self.impact.speed
+        """The fastest sound at rest, and the speed of the fastest body, m/s."""
+        own = [math.hypot(*body.velocity) for body in self.body if body.velocity]
+        sound = max(material.dilatational_speed for material in self.materials.values())
+        return sound + max([self.impact.speed, *own])
 
     @property
     def steps_about(self) -> float:
@@ -398,14 +392,6 @@ def _unlawful(name: str, material: Material) -> Iterator[str]:
         material.to_core()
     except ValueError as error:
         yield f"materials.{name}: {error}"
-
-
-def _resolved(swarm: Swarm, density: float) -> Swarm:
-    """Return a swarm with what follows from its flux, its balls known to fit. Raises ValueError if they do not."""
-    swarm = swarm.resolved(density)
-    if not swarm.centers:
-        raise ValueError("has no ball: the patch is smaller than a pitch, or the flux less than one ball's")
-    return swarm
 
 
 def _complete_materials(table: dict[str, Any]) -> list[str]:

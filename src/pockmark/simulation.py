@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from . import _core
 from .errors import PockmarkError
-from .lattice import count
 from .points import make_points
 from .scene import Scene
 
@@ -49,7 +48,7 @@ class Simulation:
         self.point_steps = 0
         self._solver = _make_solver(scene, self.threads, driver, sleep=sleep)
         if parts is None:
-            self._solver.reserve(sum(count(body, scene.grid.box) for body in scene.body))
+            self._solver.reserve(sum(body.count(scene.grid.box) for body in scene.body))
             for piece in make_points(scene):
                 self._solver.add_points(piece.position, piece.velocity, piece.mass, piece.volume, piece.body)
             self._solver.initialize()
@@ -235,7 +234,7 @@ def _make_solver(scene: Scene, threads: int, driver: str, *, sleep: bool) -> Any
         ),
         threads=threads,
     )
-    solver.let_fly([b.projectile for b in scene.body])
+    solver.let_fly([b.projectile or b.velocity is not None for b in scene.body])
     if scene.contact:
         solver.set_contact([b.projectile for b in scene.body], scene.contact.friction)
     return solver

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import find_contours
 
-from .scene import Mirror
-from .wall import Wall
+from .geometry import Mirror, Wall
 
 Array = NDArray[np.float64]
 SIGMA = 12**-0.5  # deviation of a surface that lies evenly within one point spacing, in spacings

@@ -5,8 +5,8 @@ import time
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from .doubts import Doubts
+from .ledger import LEDGER
 from .live import live_depth
-from .manifest import LEDGER
 from .simulation import LiveFields, Simulation
 from .store import RunFolder
 

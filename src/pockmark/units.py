@@ -112,6 +112,7 @@ def quantity(unit: str, low: float = -math.inf, high: float = math.inf) -> Befor
 
 Length = Annotated[float, quantity("m", -1e4, 1e4)]
 Speed = Annotated[float, quantity("m/s", 0.0, 1e6)]  # meteoroids have up to 72 km/s
+Velocity = Annotated[float, quantity("m/s", -1e6, 1e6)]  # a component
 Angle = Annotated[float, quantity("rad")]
 Time = Annotated[float, quantity("s", -1e4, 1e4)]
 Number = Annotated[float, quantity("")]

@@ -1,46 +1,16 @@
 """The wall that a crater is measured in: the target's bodies that a projectile meets first."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from .bodies import Block, Body, box_gap
-from .scene import FaceKind, Scene
-
-Corner = tuple[float, float, float]
-LEAST_LAYERS = 1.5  # of points, that a wall must have to be measured
-
-
-@dataclass(frozen=True)
-class Wall:
-    """Bodies (their indices) that touch one another from z = 0 down, and the corners of their box, m; the largest of their
-    point spacings, m; what the grid's lower face is where their back lies on it, None where their back is free."""
-
-    bodies: tuple[int, ...]
-    lower: Corner
-    upper: Corner
-    spacing: float
-    face: FaceKind | None = None
-
-    @property
-    def thickness(self) -> float:
-        """From z = 0 to the back, m."""
-        return -self.lower[2]
-
-    @property
-    def layers(self) -> float:
-        """Points through it: with fewer than two there is no inside to be told from a hole."""
-        return self.thickness / self.spacing
-
-    @property
-    def is_backed(self) -> bool:
-        """Whether what lies behind the back is not computed: then a hole cannot be told from a deep crater."""
-        return self.face not in (None, "free")
+from .bodies import Solid, box_gap
+from .geometry import Wall
+from .scene import Scene
 
 
 def walls(scene: Scene) -> list[tuple[int, ...]]:
-    """Return the target's bodies (their indices) in groups that touch one another; what stands behind a gap is another wall."""
-    left, found = list(scene.targets), []
+    """Return the target's bodies (their indices) in groups that touch one another; what stands behind a gap is another wall, and what
+    moves by itself is none."""
+    left, found = [i for i in scene.targets if scene.body[i].velocity is None], []
     while left:
         group = [left.pop(0)]
         for i in group:  # grows while it is walked
@@ -64,10 +34,10 @@ def first_wall(scene: Scene) -> Wall | None:
     return Wall(bodies, (x, y, z), (x1, y1, z1), spacing, scene.boundary.z_lower if stands else None)
 
 
-def _is_at_zero(body: Body) -> bool:
-    return isinstance(body, Block) and abs(body.upper[2]) <= body.spacing / 2
+def _is_at_zero(body: Solid) -> bool:
+    return body.level is not None and abs(body.level) <= body.spacing / 2
 
 
-def _touch(a: Body, b: Body) -> bool:
+def _touch(a: Solid, b: Solid) -> bool:
     """Return whether no gap of half a point spacing lies between the boxes of two bodies."""
     return box_gap(a, b) < max(a.spacing, b.spacing) / 2

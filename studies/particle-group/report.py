@@ -24,7 +24,7 @@ from reporting import (
 )
 from slices import keep_slices, mode_pages
 
-from pockmark.placement import sphere_diameter
+from pockmark.bodies.placement import sphere_diameter
 from pockmark.scaling import Fit, energy_flux, fit_depth
 
 DENSITY, STRENGTH = 2770.0, 265e6

@@ -10,7 +10,9 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from pockmark.modes import ROMAN
-from pockmark.run import group_of, surface_of_run
+from pockmark.morphology import group_of
+from pockmark.run import surface_of_run
+from pockmark.setup import setup_of
 from pockmark.store import RunFolder
 
 
@@ -27,7 +29,7 @@ def main() -> None:
     for axes, row in zip(panels, rows, strict=False):
         seed, mode = row["body.swarm.seed"], row.get("group.mode")
         surface = surface_of_run(runs / row["scene"])
-        group = group_of(surface, RunFolder.open(runs / row["scene"]).scene())
+        group = group_of(surface, setup_of(RunFolder.open(runs / row["scene"]).scene()))
         lines = surface.section(2, -surface.spacing / 2) if surface else []
         for line in lines:
             axes.plot(*(line * 1e6).T, "k-", linewidth=0.8)

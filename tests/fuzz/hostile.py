@@ -42,6 +42,19 @@ RANDOM_SWARM: dict[str, Any] = {
     "material": "mine",
     "projectile": True,
 }
+TUBE: dict[str, Any] = {
+    "name": "tube",
+    "shape": "cylinder",
+    "axis": "x",
+    "center": ["0 um", "0 um"],
+    "gap": "0 um",
+    "radius": "8 um",
+    "inner_radius": "4 um",
+    "length": "20 um",
+    "velocity": ["0 m/s", "0 m/s", "-2 km/s"],
+    "spacing": "1.25 um",
+    "material": "mine",
+}
 CAMPAIGN: dict[str, Any] = {
     "title": "a campaign",
     "scene": "scene.toml",
@@ -92,7 +105,7 @@ HOSTILE: dict[str, list[Any]] = {
 }  # fmt: skip
 KEYS = ["", "x", "spacing", "radius", "lower", "material", "model", "0", "a.b", "\x1b[1m", "[b]", "\n",
     "k" * 5000]  # fmt: skip
-SIZES = ("spacing", "radius", "pitch", "number", "flux")
+SIZES = ("spacing", "radius", "length", "inner_radius", "pitch", "number", "flux")
 UNITS = ["um", "mm", "m", "km/s", "m/s", "ns", "s", "deg", "rad", "GPa", "K", "g/cm^3", "mg/cm^2",
     "1/s", "%", ""]  # fmt: skip
 SAMPLES = ["=", "[", "]", "'", '"', '"""', "\n[[body]]\n", "\n[grid]\n", "\x00", "\ufeff", "#", ".",
@@ -134,9 +147,8 @@ def _base(rng: random.Random) -> Table:
     table = tomllib.loads(rng.choice(EXAMPLES).decode())
     table |= {key: copy.deepcopy(OPTIONAL[key]) for key in OPTIONAL if rng.random() < 0.4}
     if "materials" in table and rng.random() < 0.7:
-        table["body"][1] = (
-            RANDOM_SWARM | {} if rng.random() < 0.4 else table["body"][1] | {"material": "mine"}
-        )
+        ball = table["body"][1] | {"material": "mine"}
+        table["body"][1] = rng.choices((RANDOM_SWARM | {}, copy.deepcopy(TUBE), ball), (4, 2, 4))[0]
     for holder, key in ((table, "title"), (table["body"][0], "name"), (table["body"][1], "name")):
         if rng.random() < 0.08:
             holder[key] = rng.choice((_name(rng), "x" * 100_000))

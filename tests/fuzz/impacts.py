@@ -55,6 +55,8 @@ def points(scene: Table) -> float:
 def _volume(body: Table) -> float:
     if body["shape"] == "block":
         return math.prod(u - w for w, u in zip(body["lower"], body["upper"], strict=True))
+    if body["shape"] == "cylinder":
+        return math.pi * (body["radius"] ** 2 - body["inner_radius"] ** 2) * body["length"]
     return body.get("number", 1) * 4 / 3 * math.pi * body["radius"] ** 3
 
 
@@ -101,17 +103,21 @@ def _targets(
 def _projectile(
     rng: random.Random, material: str, diameter: float, cell: float, lower: list[float], upper: list[float]
 ) -> Table:
-    """Return a ball, a brick or a swarm that touches the surface or starts up to a cell above it."""
+    """Return a ball, a brick, a swarm, a rod, a disc or a tube that touches the surface or starts up to a cell above it."""
     radius = diameter / 2
     spacing = radius / max(1, round(radius / (cell / rng.choice((1, 1.5, 2, 2, 2, 3, 4)))))
     gap = rng.choice((0.0, 0.0, rng.random())) * cell
     common = {"name": "projectile", "spacing": spacing, "material": material, "projectile": True}
-    kind = rng.choice(("sphere", "sphere", "sphere", "block", "swarm"))
+    kind = rng.choice(("sphere", "sphere", "sphere", "block", "swarm", "cylinder"))
     if kind == "sphere":
         return common | {"shape": kind, "center": [0.0, 0.0, radius + gap], "radius": radius}
     if kind == "block":
         low = [-radius, lower[1] if lower[1] == 0 else -radius, gap]
         return common | {"shape": kind, "lower": low, "upper": [radius, radius, gap + diameter]}
+    if kind == "cylinder":
+        inner = rng.choice((0.0, rng.uniform(0.1, 0.6) * radius if radius > 3 * spacing else 0.0))
+        size = {"radius": radius, "inner_radius": inner, "length": diameter * rng.uniform(0.3, 1.0)}
+        return common | size | {"shape": kind, "axis": rng.choice("xyz"), "center": [0.0, 0.0], "gap": gap}
     patch = {"lower": [0.8 * x for x in lower[:2]], "upper": [0.8 * x for x in upper[:2]]}
     number = rng.choice((1, 2))
     small = {"radius": radius / 2, "spacing": spacing / 2, "height": radius / 2 + gap}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pockmark.crater import measure_target
-from pockmark.scene import Mirror
+from pockmark.geometry import Mirror
 from pockmark.surface import SIGMA
 from pockmark.uncertainty import LEVELS, uncertainties
 

@@ -5,8 +5,8 @@ import pytest
 
 from pockmark.crater import measure_target
 from pockmark.ejecta import enhancement, find_ejecta
+from pockmark.geometry import Mirror, Setup
 from pockmark.lining import lining
-from pockmark.scene import Mirror
 
 H = 2e-6
 HALF = (Mirror(1, 0.0, above=False),)
@@ -41,7 +41,7 @@ def test_only_what_is_detached_and_moves_away_is_ejecta():
         (thrown, (300, 70, 400), 1),
         (falling, (0, 0, -90), 0),
     )
-    found = find_ejecta(snapshot(*parts), H, HALF)
+    found = find_ejecta(snapshot(*parts), Setup(H, HALF))
     mass = 2 * len(thrown) * 1e-12
     print(found.mass / mass, found.momentum / mass, found.kinetic / mass)
     assert found.mass == pytest.approx(mass)
@@ -72,7 +72,7 @@ def test_the_lining_is_what_lies_in_the_bowl(y, images):
     fields = snapshot((target, (0, 0, 0), 0), (layer, (0, 0, 0), 1), (outside, (0, 0, 0), 1))
     is_target = fields["body"] == 0
     crater = measure_target(fields["position"][is_target], fields["volume"][is_target], H, mirrors=HALF)
-    mass, thickness = lining(fields, crater, projectile_bodies=[1], spacing=H, mirrors=HALF)
+    mass, thickness = lining(fields, crater, Setup(H, HALF, projectiles=(1,)))
     print(
         f"C_p {crater.depth * 1e6:.2f} of 12 um, lining {thickness * 1e6:.2f} of 4 um, mass {mass / len(layer) / 1e-12:.3f}"
     )

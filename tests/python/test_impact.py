@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene
-from pockmark.run import _slice_axis, group_of, measure_run, plot_run, run_scene
+from pockmark.plots import slice_axis
+from pockmark.run import measure_run, plot_run, run_scene
 from pockmark.scene import Impact
+from pockmark.setup import setup_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -94,22 +96,16 @@ def test_a_turned_impact_leaves_the_turned_crater(tmp_path):
     assert turned["bottom_y"] == pytest.approx(straight["bottom_x"], abs=2e-7)
     assert mirrored["bottom_x"] == pytest.approx(-straight["bottom_x"], abs=2e-7)
     assert plot_run(tmp_path / "9030")[0].exists()
-    assert [_slice_axis(whole(azimuth)) for azimuth in (0, 90, 180, -90)] == [1, 0, 1, 0]
+    assert [slice_axis(setup_of(whole(azimuth))) for azimuth in (0, 90, 180, -90)] == [1, 0, 1, 0]
 
 
 def test_a_group_is_looked_for_where_it_hits():
-    """group_of carries the balls along their own path, whatever the azimuth."""
-    from pockmark import run
-
-    seen = []
-    measure_group, run.measure_group = run.measure_group, lambda surface, hits, distance: seen.append(hits)
-    try:
-        for angle, azimuth in ((30, 0), (-30, 0), (30, 180)):
-            overrides = [f"impact.angle='{angle} deg'", f"impact.azimuth='{azimuth} deg'"]
-            group_of(object(), Scene.load(EXAMPLES / "group-4500.toml", overrides))
-    finally:
-        run.measure_group = measure_group
-    ahead, back, turned = seen
+    """The balls are carried along their own path, whatever the azimuth."""
+    ahead, back, turned = (
+        np.array(setup_of(Scene.load(EXAMPLES / "group-4500.toml", overrides)).hits)
+        for angle, azimuth in ((30, 0), (-30, 0), (30, 180))
+        for overrides in [[f"impact.angle='{angle} deg'", f"impact.azimuth='{azimuth} deg'"]]
+    )
     reach = 12.5e-6 * math.tan(math.radians(30))
     assert ahead[:, 0].min() == pytest.approx(-37.5e-6 + reach)
     assert back[:, 0].min() == pytest.approx(-37.5e-6 - reach)

@@ -247,7 +247,8 @@ def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
 
 PRESSES_CTRL_C_ALL_THE_WAY = """
 import os, signal
-from pockmark import cli, simulation
+from pockmark import simulation
+from pockmark.cli import run as cli
 from pockmark.__main__ import main
 def pressing(name):
     function = getattr(cli, name)

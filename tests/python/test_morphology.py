@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pockmark.geometry import Setup
 from pockmark.modes import THRESHOLDS, measures_of, mode_of
 from pockmark.morphology import measure_group
 from pockmark.results import group_table
@@ -52,7 +53,7 @@ def check(surface, number, *, oblique):
 
 
 def counted(group):
-    table = group_table(group, oblique=True)
+    table = group_table(group, Setup(group.spacing, is_oblique=True))
     assert len(table["each_crater"]) == table["craters"]
     assert len(table["each_ridge"]) == table["ridges"]
     return table["craters"], table["pitheads"], table["bottoms"]

@@ -11,16 +11,17 @@ from rich.console import Console
 
 from pockmark import Scene, Simulation, measure
 from pockmark.cli import main
-from pockmark.plots import HISTORY_COLUMNS, Cast, history_figure, slice_figure
+from pockmark.ledger import LEDGER as KEYS
+from pockmark.measures import measures
+from pockmark.plots import HISTORY_COLUMNS, history_figure, slice_figure
 from pockmark.points import make_points
 from pockmark.report import report
-from pockmark.results import SHARES, crater_of, depth_change, field_of
-from pockmark.run import measures, plot_run, run_scene
+from pockmark.results import crater_of, depth_change, field_of
+from pockmark.run import plot_run, run_scene
+from pockmark.setup import setup_of
 from pockmark.store import RunFolder, finite, to_json
-from pockmark.wall import first_wall
 
-LEFT = ("left_mass", "left_momentum_x", "left_momentum_y", "left_momentum_z")
-LEDGER = dict.fromkeys((*SHARES, *LEFT, "error"), 0.0) | {"initial": 1.0}
+LEDGER = dict.fromkeys(KEYS, 0.0) | {"initial": 1.0}
 RUN = {"status": "finished", "end_time": 1e-8, "time": 1e-8, "max_compression": 1.0, "points": 1, "steps": 1}
 RUN |= {
     "torn_rows": 0,
@@ -72,7 +73,8 @@ def measured(snapshot, scene):
     history = {name: np.array([0.0, np.nan]) for name in HISTORY_COLUMNS}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        table = dict(finite(measures(snapshot, scene, LEDGER, RUN, {}, history)))
+        table = measures(snapshot, setup_of(scene), LEDGER, RUN, {}, history)
+        table = dict(finite(table | {"doubts": []}))
     json.loads(to_json(table))
     Console(quiet=True).print(report(table))
     return table
@@ -82,10 +84,9 @@ def draw(snapshot, scene):
     """What `plot` draws, where a warning is a fault."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        field = field_of(snapshot, first_wall(scene), scene.mirrors)
+        field = field_of(snapshot, setup_of(scene))
         crater = crater_of(field.surface()) if field else None
-        cast = Cast([body.name for body in scene.body], scene.projectiles)
-        figure = slice_figure(snapshot, cast, plane=0.0, spacing=2e-6, crater=crater, title="")
+        figure = slice_figure(snapshot, setup_of(scene), crater=crater, title="")
         figure.draw_without_rendering()
     return figure
 

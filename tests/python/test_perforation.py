@@ -6,13 +6,13 @@ import pytest
 from pockmark import Scene, measure
 from pockmark.cautions import of_crater, of_hole
 from pockmark.crater import measure_crater
+from pockmark.geometry import Mirror, Setup, Wall
 from pockmark.hole import measure_hole
 from pockmark.morphology import measure_group
 from pockmark.results import group_table, hole_table
 from pockmark.run import plot_run, run_scene
-from pockmark.scene import Mirror
 from pockmark.surface import target_field
-from pockmark.wall import Wall, first_wall, walls
+from pockmark.wall import first_wall, walls
 
 UM = 1e-6
 H = 2.0  # point spacing, um
@@ -55,7 +55,7 @@ def test_a_hole_has_a_width_and_no_depth(thickness, face, mirrors):
     u = hole_table(field, hole)["uncertainty"]["hole_width"] / UM
     print(f"width {hole.width / UM:.2f} +- {u:.2f} of 18 um")
     assert abs(hole.width / UM - 18) < 2 * u < 2 * H
-    (sentence,) = of_hole(hole, surface, wall)
+    (sentence,) = of_hole(hole, surface, Setup(H * UM, wall=wall))
     assert "perforated" in sentence
 
 
@@ -83,7 +83,7 @@ def test_holes_are_counted_and_the_widest_is_measured():
     assert hole.place[0] / UM == pytest.approx(-20, abs=H / 2)
     places = [(-20.0, 0.0), (25.0, 0.0), (0.0, 30.0), (0.0, -30.0)]
     group = measure_group(surface, np.array(places) * UM, 25 * UM)
-    table = group_table(group, oblique=False)
+    table = group_table(group, Setup(H * UM))
     assert (table["holes"], table["craters"]) == (2, 2)
     assert [pit.depth / UM for pit in group.pits] == pytest.approx([5, 5], abs=H / 2)
     assert "mode" not in table
@@ -113,7 +113,7 @@ def test_a_dome_below_the_back_is_no_hole():
     crater = measure_crater(surface)
     assert measure_hole(surface) is None
     assert crater.depth / UM == pytest.approx(20, abs=H / 2)
-    assert any("deeper than half" in s for s in of_crater(crater, surface, wall, HALF))
+    assert any("deeper than half" in s for s in of_crater(crater, surface, Setup(H * UM, HALF, wall=wall)))
 
 
 def test_debris_below_a_plate_does_not_widen_what_is_looked_at():
@@ -130,7 +130,7 @@ def test_a_crater_at_the_bottom_of_what_is_computed_has_no_depth(face, depth):
     surface = field.surface()
     assert measure_crater(surface) is None
     assert measure_hole(surface) is None
-    (sentence,) = of_hole(None, surface, wall)
+    (sentence,) = of_hole(None, surface, Setup(H * UM, wall=wall))
     assert "cannot be told" in sentence
     assert face in sentence
 
@@ -139,16 +139,16 @@ def test_a_crater_too_large_says_so():
     field, wall = plate(lambda x, y, z: (np.hypot(x, y) > 35) | (z < -25), 40, "transmitting")
     surface = field.surface()
     crater = measure_crater(surface)
-    deep, wide = of_crater(crater, surface, wall, HALF)
+    deep, wide = of_crater(crater, surface, Setup(H * UM, HALF, wall=wall))
     assert crater.depth / UM == pytest.approx(25, abs=H / 2)
     assert "deeper than half of the target of 40 um" in deep
     assert "wider than half of the target's 120 um" in wide
     field, wall = plate(lambda x, y, z: (np.hypot(x, y) > 20) | (z < -15), 40, "transmitting")
     surface = field.surface()
-    assert not [*of_crater(measure_crater(surface), surface, wall, HALF)]
+    assert not [*of_crater(measure_crater(surface), surface, Setup(H * UM, HALF, wall=wall))]
     field, wall = plate(lambda x, y, z: (abs(y) > 20) | (z < -15 - x / 10), 40, "transmitting")
     surface = field.surface()
-    sentences = [*of_crater(measure_crater(surface), surface, wall, HALF)]
+    sentences = [*of_crater(measure_crater(surface), surface, Setup(H * UM, HALF, wall=wall))]
     assert any("floor touches a side face" in s for s in sentences)
     assert any("opening reaches the edge" in s for s in sentences)
 

@@ -9,9 +9,8 @@ import pytest
 
 from pockmark import PockmarkError, Scene, Simulation
 from pockmark.bodies import Block, Sphere, Swarm, overlap
-from pockmark.lattice import count, lattice, point_volume
 from pockmark.points import make_points
-from pockmark.run import _projectile_diameter, _projectile_mass
+from pockmark.setup import setup_of
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 UM = 1e-6
@@ -44,16 +43,16 @@ def test_a_ball_has_the_mass_that_is_asked(ratio, cut):
     body = ball(ratio, center=center)
     box = [[-math.inf] * 3, [math.inf] * 3]
     box[0][:cut] = center[:cut]
-    x = lattice(body, box)
-    share = len(x) * point_volume(body) / (4 / 3 * math.pi * body.radius**3) * 2**cut
-    assert len(x) == count(body, box)
+    x = body.lattice(box)
+    share = len(x) * body.point_volume / (4 / 3 * math.pi * body.radius**3) * 2**cut
+    assert len(x) == body.count(box)
     assert share == pytest.approx(1, rel=1e-9)
 
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_a_ball_has_its_centre_size_and_moments(ratio):
     body = ball(ratio, center=(1.37 * UM, -0.71 * UM, 3.3 * UM))
-    x = lattice(body) - np.array(body.center)
+    x = body.lattice() - np.array(body.center)
     pitch = body.fit.pitch
     assert pitch <= body.spacing * (1 + 1e-9)
     assert abs(x.mean(axis=0)).max() < 1e-9 * body.radius
@@ -63,7 +62,7 @@ def test_a_ball_has_its_centre_size_and_moments(ratio):
     second = ((x**2).mean(axis=0) + pitch**2 / 12) / (body.radius**2 / 5)
     n = body.fit.number
     print(
-        f"radius {n:g} pitches: second moment {second[0]:.4f} of a ball's, {point_volume(body) / pitch**3:.4f} cubes a point"
+        f"radius {n:g} pitches: second moment {second[0]:.4f} of a ball's, {body.point_volume / pitch**3:.4f} cubes a point"
     )
     assert second == pytest.approx(1, abs=0.17 if n < 4 else 0.055 if n < 6 else 0.03)
 
@@ -73,9 +72,9 @@ def test_a_ball_has_its_centre_size_and_moments(ratio):
 def test_float_noise_decides_nothing(half, rounded):
     """A radius of n and a half spacings is the same ball, however the half was computed."""
     found = {
-        count(ball(half * (1 + noise), rounded=rounded)) for noise in (-2e-16, 0.0, 2e-16, 1e-12, -1e-12)
+        ball(half * (1 + noise), rounded=rounded).count() for noise in (-2e-16, 0.0, 2e-16, 1e-12, -1e-12)
     }
-    whole = {count(ball((half + 0.5) * (1 + noise), rounded=rounded)) for noise in (-1e-12, 0.0, 1e-12)}
+    whole = {ball((half + 0.5) * (1 + noise), rounded=rounded).count() for noise in (-1e-12, 0.0, 1e-12)}
     assert len(found) == len(whole) == 1
 
 
@@ -89,8 +88,8 @@ def test_a_block_has_the_size_that_is_asked(sides):
         lower=(-2 * UM, 0.0, -sides[2] * UM),
         upper=((sides[0] - 2) * UM, sides[1] * UM, 0.0),
     )
-    x = lattice(block)
-    assert len(x) * point_volume(block) == pytest.approx(math.prod(sides) * UM**3, rel=1e-9)
+    x = block.lattice()
+    assert len(x) * block.point_volume == pytest.approx(math.prod(sides) * UM**3, rel=1e-9)
     half = [fit.pitch / 2 for fit in block.fits]
     assert x.min(axis=0) - half == pytest.approx(block.lower, abs=1e-9 * UM)
     assert x.max(axis=0) + half == pytest.approx(block.upper, abs=1e-9 * UM)
@@ -108,12 +107,12 @@ def test_every_point_that_is_counted_is_there(radius):
         "body.projectile.gap='0 um'",
     )
     pieces = list(make_points(loaded))
-    assert sum(len(p.mass) for p in pieces) == sum(count(b, loaded.grid.box) for b in loaded.body)
+    assert sum(len(p.mass) for p in pieces) == sum(b.count(loaded.grid.box) for b in loaded.body)
     mass = sum(p.mass[p.body == 1].sum() for p in pieces)
     asked = 2 / 3 * math.pi * loaded.body[1].radius ** 3 * 2770
     assert mass == pytest.approx(asked, rel=1e-9)
-    assert _projectile_mass(loaded) == pytest.approx(asked, rel=1e-9)
-    assert _projectile_diameter(loaded) == pytest.approx(2 * loaded.body[1].radius, rel=1e-9)
+    assert setup_of(loaded).projectile_mass == pytest.approx(asked, rel=1e-9)
+    assert setup_of(loaded).projectile_diameter == pytest.approx(2 * loaded.body[1].radius, rel=1e-9)
     assert all(np.allclose(p.mass, 2770 * p.volume, rtol=1e-15) for p in pieces)
     simulation = Simulation(loaded, 1)
     assert simulation.ledger()["mass"] == pytest.approx(asked + 2770 * 100 * 50 * 50 * UM**3, rel=1e-9)
@@ -150,7 +149,9 @@ def test_rounded_is_told_with_its_mass():
         "body.projectile.spacing='1.9 um'",
         "body.projectile.center=['0 um', '0 um', '7 um']",
     )
-    assert _projectile_mass(scene(*keys)) == pytest.approx(2 / 3 * math.pi * (7 * UM) ** 3 * 2770, rel=1e-9)
+    assert setup_of(scene(*keys)).projectile_mass == pytest.approx(
+        2 / 3 * math.pi * (7 * UM) ** 3 * 2770, rel=1e-9
+    )
     with pytest.raises(PockmarkError, match="overlaps"):
         scene(*keys, "body.projectile.rounded=true")
 
@@ -162,7 +163,7 @@ def test_a_gap_keeps_a_projectile_above_the_surface(rounded):
             shape="sphere", name="p", material="m", spacing=2 * UM, rounded=rounded,
             center=(0.0, 0.0), gap=gap * UM, radius=radius * UM,
         )  # fmt: skip
-        lowest = lattice(body)[:, 2].min() - body.fit.pitch / 2
+        lowest = body.lattice()[:, 2].min() - body.fit.pitch / 2
         assert lowest == pytest.approx(gap * UM, abs=1e-9 * UM)
         assert body.box[0][2] == pytest.approx(gap * UM, abs=1e-9 * UM)
 
@@ -173,4 +174,4 @@ def test_a_swarm_keeps_its_gap_for_any_flux():
             shape="swarm", name="s", material="m", spacing=UM, lower=(-50 * UM, 0.0), upper=(50 * UM, 50 * UM),
             gap=UM, pitch=25 * UM, flux=flux,
         ).resolved(2770.0)  # fmt: skip
-        assert lattice(body)[:, 2].min() - body.fit.pitch / 2 == pytest.approx(UM, rel=1e-9)
+        assert body.lattice()[:, 2].min() - body.fit.pitch / 2 == pytest.approx(UM, rel=1e-9)

@@ -1,5 +1,6 @@
 """Pictures of a run: what is drawn is what is in the data, in the units on the axes."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,13 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from pockmark.crater import Crater
-from pockmark.plots import Cast, history_figure, process_figure, slice_figure
+from pockmark.geometry import Setup
+from pockmark.plots import history_figure, process_figure, slice_figure
 
 UM = 1e-6
 H = 2.0 * UM  # point spacing
 TARGET, PROJECTILE = 0, 1
-CAST = Cast(["slab", "cube"], [PROJECTILE])
+SETUP = Setup(H, names=("slab", "cube"), projectiles=(PROJECTILE,))
 
 
 @pytest.fixture
@@ -37,7 +39,7 @@ def snapshot() -> dict[str, NDArray[Any]]:
 
 
 def draw(snapshot: dict[str, NDArray[Any]], crater: Crater | None = None) -> Any:
-    figure = slice_figure(snapshot, CAST, plane=0.0, spacing=H, crater=crater, title="a run")
+    figure = slice_figure(snapshot, SETUP, crater=crater, title="a run")
     panels = [axes for axes in figure.axes if axes.get_title()]
     return figure, panels
 
@@ -75,9 +77,7 @@ def test_projectile_is_white_on_air_that_is_not_in_every_panel(snapshot):
 
 def test_targets_are_told_apart_and_named(snapshot):
     snapshot["body"][: len(snapshot["body"]) // 2] = 2
-    figure = slice_figure(
-        snapshot, Cast(["slab", "cube", "film"], [PROJECTILE]), plane=0.0, spacing=H, crater=None, title="two"
-    )
+    figure = slice_figure(snapshot, replace(SETUP, names=("slab", "cube", "film")), crater=None, title="two")
     bodies = figure.axes[0]
     assert len(np.unique(bodies.collections[0].get_facecolor(), axis=0)) == 2
     assert [text.get_text() for text in bodies.get_legend().get_texts()] == ["slab", "film"]
@@ -87,7 +87,7 @@ def test_targets_are_told_apart_and_named(snapshot):
 def test_the_panels_fill_the_figure(snapshot, stretch):
     snapshot["position"] = snapshot["position"] * stretch
     snapshot["volume"] = snapshot["volume"] * np.prod(stretch)
-    figure = slice_figure(snapshot, CAST, plane=0.0, spacing=50 * H, crater=None, title="a run")
+    figure = slice_figure(snapshot, replace(SETUP, spacing=50 * H), crater=None, title="a run")
     figure.draw_without_rendering()
     panels = [axes.get_position() for axes in figure.axes if axes.get_title()]
     blank = (1 - sum(p.height for p in panels)) * figure.get_size_inches()[1]
@@ -97,16 +97,14 @@ def test_the_panels_fill_the_figure(snapshot, stretch):
 
 def test_a_process_has_a_column_a_snapshot_read_one_at_a_time(snapshot):
     times = (20e-9, 40e-9)
-    figure = process_figure(
-        (snapshot | {"time": np.array([time])} for time in times), CAST, plane=0.0, spacing=H
-    )
+    figure = process_figure((snapshot | {"time": np.array([time])} for time in times), SETUP)
     titles = [axes.get_title() for axes in figure.axes if axes.get_title()]
     assert titles == ["20 ns", "40 ns"]
     assert all(len(axes.collections[0].get_offsets()) == 20 * 10 for axes in figure.axes[:4])
 
 
 def test_a_slice_without_points_is_drawn(snapshot):
-    slice_figure(snapshot, CAST, plane=1.0, spacing=H, crater=None, title="nothing there")
+    slice_figure(snapshot, replace(SETUP, centre=(0.0, 1.0)), crater=None, title="nothing there")
 
 
 def test_original_surface_is_dotted(snapshot):

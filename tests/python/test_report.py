@@ -11,6 +11,7 @@ from rich.console import Console
 
 from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.counters import COUNTERS
+from pockmark.ledger import DRAWN, LEDGER, LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from pockmark.report import report
 from pockmark.run import plot_run, run_scene
 from pockmark.store import RunFolder, to_json
@@ -125,5 +126,12 @@ def test_every_column_of_the_history_is_explained(tmp_path):
 
 def test_every_counter_is_explained():
     document = (ROOT / "docs" / "output.md").read_text()
-    assert all(f"| `{name}` | {text} |" in document for name, text in COUNTERS.items())
+    assert all(f"| `{name}` | {counter.what} |" in document for name, counter in COUNTERS.items())
     assert list(COUNTERS) == list(Simulation(Scene.load(QUICK), threads=1).counters())
+
+
+def test_every_key_of_the_ledger_is_explained():
+    document = (ROOT / "docs" / "output.md").read_text()
+    assert all(f"| `{name}` | {text} |" in document for name, text in LEDGER.items())
+    assert LEDGER.keys() <= Simulation(Scene.load(QUICK), threads=1).ledger().keys()
+    assert LEDGER.keys() >= {*SHARES, *DRAWN, *LEFT_ENERGIES, *LEFT_MOMENTUM}

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from pockmark.placement import sphere_diameter
+from pockmark.bodies.placement import sphere_diameter
 from pockmark.scaling import energy_flux, fit_depth, group_depth
 
 MG_CM2 = 1e-2  # kg/m^2

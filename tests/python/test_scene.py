@@ -8,7 +8,6 @@ import pytest
 
 from pockmark import PockmarkError, Scene
 from pockmark.bodies import Block, Sphere
-from pockmark.lattice import count, lattice
 from pockmark.materials import library
 from pockmark.points import make_points
 from pockmark.units import to_si
@@ -66,7 +65,7 @@ def test_block_lattice(h, count):
         upper=(100 * UM, 100 * UM, 0),
         rounded=True,
     )
-    assert len(lattice(block)) == count
+    assert len(block.lattice()) == count
 
 
 @pytest.mark.parametrize(
@@ -76,7 +75,7 @@ def test_sphere_lattice(nx, count):
     sphere = Sphere(
         shape="sphere", name="p", material="m", spacing=UM, center=(0, 0, nx * UM), radius=nx * UM
     )
-    assert len(lattice(sphere)) == count
+    assert len(sphere.lattice()) == count
 
 
 @pytest.mark.parametrize("radius", [0.6, 1.0, 3.3, 10.0, 16.4])
@@ -86,10 +85,10 @@ def test_a_sphere_is_counted_as_it_is_filled(radius, cut):
         shape="sphere", name="p", material="m", spacing=UM, center=(2 * UM, 0, 1 * UM), radius=radius * UM
     )
     box = ((-100 * UM, cut * UM, -100 * UM), (4.5 * UM, 100 * UM, 100 * UM))
-    x = lattice(sphere)
+    x = sphere.lattice()
     x = x[np.all((x >= box[0]) & (x < box[1]), axis=1)]
-    assert np.array_equal(x, lattice(sphere, box))
-    assert count(sphere, box) == len(x)
+    assert np.array_equal(x, sphere.lattice(box))
+    assert sphere.count(box) == len(x)
 
 
 @pytest.mark.parametrize("spacing", [0.7, 1.0, 1.3, 2.9, 7.0, 25.0])
@@ -97,7 +96,7 @@ def test_a_block_is_counted_as_it_is_filled(spacing):
     table = Scene.load(EXAMPLES / "quick.toml").to_dict()
     block = Block(**table["body"][0] | {"spacing": spacing * UM})
     box = Scene.load(EXAMPLES / "quick.toml").grid.box
-    assert count(block, box) == len(lattice(block, box)) == len(lattice(block)) > 0
+    assert block.count(box) == len(block.lattice(box)) == len(block.lattice()) > 0
 
 
 def test_units_are_exact_and_checked():

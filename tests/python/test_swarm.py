@@ -9,8 +9,7 @@ import pytest
 
 from pockmark import PockmarkError, Scene
 from pockmark.bodies import Swarm
-from pockmark.lattice import count, lattice, point_volume
-from pockmark.placement import TRIES, at_random
+from pockmark.bodies.placement import TRIES, at_random
 from pockmark.points import make_points
 from pockmark.toml import read_toml
 
@@ -40,7 +39,7 @@ def test_the_flux_gives_the_diameter(flux, diameter, rounded):
     print(f"{2e6 * exact.radius:.4f} um, rounded {2e6 * whole.fit.length:g} um")
     assert 2e6 * exact.radius == pytest.approx(diameter, abs=5e-4)
     assert 2e6 * whole.fit.length == pytest.approx(rounded)
-    mass = count(exact) * point_volume(exact) * DENSITY
+    mass = exact.count() * exact.point_volume * DENSITY
     asked = flux * 1e-2 * 100e-6 * 50e-6  # kg: 1 mg/cm^2 is .01 kg/m^2
     print(f"mass of the points {mass / asked:.6f} of the flux's")
     assert mass / asked == pytest.approx(1, rel=1e-9)
@@ -53,7 +52,7 @@ def test_the_lattice_is_the_papers():
         (a, b) for a in (-37.5, -12.5, 12.5, 37.5) for b in (12.5, 37.5)
     ]
     assert set(z.round(9)) == {12.5}
-    assert count(body) == len(lattice(body)) == 8 * 17_256  # Table 3, model 3
+    assert body.count() == len(body.lattice()) == 8 * 17_256  # Table 3, model 3
 
 
 def test_random_places_are_apart_and_come_again_with_the_seed():

@@ -13,7 +13,8 @@ from rich.console import Console
 from pockmark import PockmarkError, Scene
 from pockmark.campaign import Case
 from pockmark.errors import found, shown, together
-from pockmark.plots import Cast, slice_figure
+from pockmark.geometry import Setup
+from pockmark.plots import slice_figure
 from pockmark.study import Outcome, run_study, summary
 from pockmark.terminal import literal, make_console
 
@@ -171,9 +172,7 @@ def test_pictures_show_titles_and_names_as_they_are(text):
     }
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        figure = slice_figure(
-            snapshot, Cast([text, "other"], []), plane=0.0, spacing=1e-6, crater=None, title=text
-        )
+        figure = slice_figure(snapshot, Setup(1e-6, names=(text, "other")), crater=None, title=text)
         figure.savefig(io.BytesIO())
     legend = figure.axes[0].get_legend().get_texts()
     assert [t.get_text() for t in legend] == [shown(text, 40), "other"]

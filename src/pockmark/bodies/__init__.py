@@ -1,0 +1,29 @@
+"""Bodies of a scene: the closed list of shapes. What a shape must give is in shape.py; each has a file."""
+
+from typing import Annotated
+
+from pydantic import Field
+
+from .block import Block
+from .cylinder import Cylinder
+from .overlap import box_gap, overlap
+from .shape import NOISE, Fit, Solid, Vector, require_size
+from .sphere import Sphere
+from .swarm import Swarm
+
+Body = Annotated[Block | Sphere | Swarm | Cylinder, Field(discriminator="shape")]
+
+__all__ = [
+    "NOISE",
+    "Block",
+    "Body",
+    "Cylinder",
+    "Fit",
+    "Solid",
+    "Sphere",
+    "Swarm",
+    "Vector",
+    "box_gap",
+    "overlap",
+    "require_size",
+]

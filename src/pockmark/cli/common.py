@@ -1,0 +1,23 @@
+"""What the commands share: arguments, options, the console."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..terminal import make_console
+
+CONSOLE = make_console()
+MAX_PATH = 4096  # characters of a path that are printed
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene in TOML.")]
+RunDir = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Change a key: impact.speed='4 km/s', body.projectile.radius='5 um' (by name, or counted from 0).",
+    ),
+]
+Threads = Annotated[int, typer.Option(help="Threads; 0 takes every core.")]

@@ -1,0 +1,22 @@
+"""`pockmark measure`: the table of a run, for a reader or a program."""
+
+from typing import Annotated
+
+import typer
+
+from ..report import report
+from ..run import measure_run
+from ..store import to_json
+from .common import CONSOLE, RunDir
+
+
+def measure(
+    folder: RunDir,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON with stable keys, SI.")] = False,
+) -> None:
+    """Measure crater, energies and counters of a run; what each counter counts is said beside it (and in docs/output.md)."""
+    result = measure_run(folder)
+    if as_json:
+        print(to_json(result))
+    else:
+        CONSOLE.print(report(result))

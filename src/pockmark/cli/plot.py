@@ -1,0 +1,22 @@
+"""`pockmark plot`: the pictures of a run."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import shown
+from ..run import plot_run, standing_of
+from ..terminal import literal
+from .common import CONSOLE, MAX_PATH, RunDir
+
+
+def plot(
+    folder: RunDir,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Folder for the pictures.")] = None,
+) -> None:
+    """Draw the slice through the crater and the history."""
+    for picture in plot_run(folder, output):
+        CONSOLE.print(f"wrote {shown(picture, MAX_PATH)}")
+    if said := standing_of(folder):
+        CONSOLE.print(literal(f"the run is {said}", "yellow"))

@@ -1,0 +1,63 @@
+"""`pockmark run`: a scene to a measured, drawn run folder."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..errors import shown
+from ..forecast import forecast
+from ..report import report
+from ..run import measure_run, plot_run, run_scene
+from ..scene import Scene
+from ..simulation import thread_count
+from ..stop import heard_between_steps
+from ..terminal import literal
+from .common import CONSOLE, MAX_PATH, Overrides, SceneFile, Threads
+
+DOUBTFUL = 3  # exit code of a run that finished in a state that cannot be
+
+
+def run(
+    scene: SceneFile,
+    output: Annotated[Path | None, typer.Option("-o", "--output", help="Run folder (runs/NAME).")] = None,
+    overrides: Overrides = None,
+    threads: Threads = 0,
+    force: Annotated[bool, typer.Option(help="Replace a run that is there.")] = False,
+    quiet: Annotated[bool, typer.Option(help="No progress bar.")] = False,
+    coarse: Annotated[
+        bool, typer.Option("--coarse", help="Run with fewer than four cells across the projectile.")
+    ] = False,
+) -> None:
+    """Run a scene; measure and draw the crater."""
+    loaded = Scene.load(scene, overrides or ())
+    path = output or Path("runs") / scene.stem
+    if not quiet:
+        expected = forecast(loaded, thread_count(threads))
+        CONSOLE.print(f"{expected.points:,} points, {expected.cells:,} cells, about {expected.steps:,} steps")
+        if expected.cells_across is not None:
+            CONSOLE.print(f"{expected.cells_across:.3g} cells across the projectile")
+        for warning in expected.warnings:
+            CONSOLE.print(literal("warning:", "yellow"), literal(warning))
+    # What Ctrl-C leaves of the run is measured and drawn, however often it is pressed.
+    with heard_between_steps():
+        folder, finished = run_scene(
+            loaded,
+            path,
+            threads=thread_count(threads),
+            force=force,
+            progress=not quiet,
+            coarse=coarse,
+        )
+        result = measure_run(folder.path)
+        CONSOLE.print(report(result))
+        for picture in plot_run(folder.path):
+            CONSOLE.print(f"wrote {shown(picture, MAX_PATH)}")
+    if not finished:
+        CONSOLE.print("interrupted: what was computed is kept", style="yellow")
+        raise typer.Exit(130)
+    if result["doubts"]:
+        CONSOLE.print(
+            "doubtful: what the table says of it first makes its other numbers worth little", style="bold red"
+        )
+        raise typer.Exit(DOUBTFUL)

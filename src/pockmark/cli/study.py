@@ -1,0 +1,49 @@
+"""`pockmark study`: a campaign of runs, and its table."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ..campaign import FILE, cases, load
+from ..errors import shown
+from ..study import make_report, run_study, summary, write_results
+from ..terminal import literal
+from .common import CONSOLE, MAX_PATH
+
+
+def study(
+    name: Annotated[str, typer.Argument(help=f"A folder with a {FILE}, or the name of one in ./studies.")],
+    quick: Annotated[bool, typer.Option(help="The coarse, short form.")] = False,
+    only: Annotated[list[str] | None, typer.Option(help="A group or figure of the campaign.")] = None,
+    jobs: Annotated[int, typer.Option(min=1, max=256, help="Runs at a time; they share the cores.")] = 1,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Where the runs are kept.")] = Path(
+        "runs/studies"
+    ),
+) -> None:
+    """Run a campaign: a scene with swept keys. What is there is not run again; what fails stops nothing."""
+    folder = next((f for f in (Path(name), Path("studies") / name) if (f / FILE).exists()), Path(name))
+    campaign = load(folder)
+    wanted = cases(campaign, folder, quick=quick, only=only or [])
+    try:
+        outcomes = run_study(wanted, output, jobs=jobs, console=CONSOLE)
+    except KeyboardInterrupt:
+        CONSOLE.print("interrupted: what is done is kept, the same command goes on", style="yellow")
+        raise typer.Exit(130) from None
+    CONSOLE.print(summary(outcomes, campaign.title or name))
+    table = (output if quick else folder) / f"results{'-quick' if quick else ''}.csv"
+    older = write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
+    CONSOLE.print(f"wrote {shown(table, MAX_PATH)}")
+    if older:
+        CONSOLE.print(
+            literal(
+                f"{older} of its rows were of an older version or physics and are gone; the command without --only "
+                "makes them again",
+                "yellow",
+            )
+        )
+    if campaign.report:
+        make_report(folder / campaign.report, table, output)
+    if failed := sum(bool(o.fault) for o in outcomes):
+        CONSOLE.print(f"{failed} of {len(outcomes)} runs failed", style="red")
+        raise typer.Exit(1)

@@ -1,0 +1,28 @@
+"""The ledger's keys, the one list: what the core adds up, the history and the manifest keep, results and pictures show."""
+
+LEDGER = {
+    "kinetic": "energy of the points' motion in the grid, J",
+    "internal": "internal energy of the points in the grid, J",
+    "absorbed": "energy that the transmitting faces took, J",
+    "left_kinetic": "energy of motion that points took with them as they left, J",
+    "left_internal": "internal energy that points took with them as they left, J",
+    "viscous": "what bulk viscosity has turned into internal energy so far, J: a part of `internal`, not beside it",
+    "plastic": "what plastic flow has turned into internal energy so far, J: a part of `internal`, not beside it",
+    "pic": "energy that the PIC share took, J",
+    "contact": "energy that contact and its friction took, J",
+    "initial": "kinetic and internal energy at the start, J",
+    "error": "what the sum of all energies but `viscous` and `plastic` is off `initial`, J",
+    "mass": "of the points in the grid, kg",
+    "left_mass": "of the points that left, kg",
+    "momentum_x": "of the points in the grid, kg m/s",
+    "momentum_y": "of the points in the grid, kg m/s",
+    "momentum_z": "of the points in the grid, kg m/s",
+    "left_momentum_x": "of the points that left, kg m/s",
+    "left_momentum_y": "of the points that left, kg m/s",
+    "left_momentum_z": "of the points that left, kg m/s",
+}
+# In the order of the tables and pictures that show them:
+SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
+DRAWN = ("kinetic", "internal", "absorbed")
+LEFT_ENERGIES = ("left_kinetic", "left_internal")
+LEFT_MOMENTUM = ("left_momentum_x", "left_momentum_y", "left_momentum_z")
