@@ -26,6 +26,7 @@ struct GridGeometry {
   std::array<int, 3> cells{};
   double per_plane = 1, per_row = 1;  // 1/nodes
   std::size_t field_count = 1;
+  std::array<bool, 6> is_symmetric{};  // of each face: whether it is a plane of symmetry
 
   GridGeometry() = default;
   GridGeometry(const Vec3<T>& lower_, T cell_, const std::array<int, 3>& cells_)

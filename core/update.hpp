@@ -201,6 +201,28 @@ PM_HD int face_crossed(const GridGeometry<T>& grid, const int (&base)[3], const 
   return -1;
 }
 
+// Puts a point that has crossed a plane of symmetry where its image has come from: what leaves the half that
+// is computed enters it from the other. `base` and `f`: its place, as for face_crossed.
+template <class Shape, class T>
+PM_HD void reflect(const Points<T>& points, const GridGeometry<T>& grid, std::size_t p, int (&base)[3],
+                   Vec3<T>& f) {
+  for (int face = 0; face < 6; ++face) {
+    if (!grid.is_symmetric[face]) continue;
+    const int a = face / 2, plane = face % 2 ? grid.pad + grid.cells[a] : grid.pad;
+    const T beyond = (T(base[a] - plane) + f[a]) * (face % 2 ? T(1) : T(-1));  // cells
+    // The upper plane itself is outside.
+    if (!(beyond > T(0) || (face % 2 && beyond == T(0))) || !(beyond < T(grid.cells[a]))) continue;
+    const T inside = face % 2 ? -max(beyond, std::numeric_limits<T>::epsilon()) : beyond;  // from the plane
+    const T shift = std::floor(inside - T(Shape::offset));
+    base[a] = plane + int(shift), f[a] = inside - shift;
+    T* v = points.at(Field::velocity, a);
+    v[p] = -v[p];
+    // xy, yz, zx: two of them have the axis.
+    for (int c = 3; c < 6; ++c)
+      if (c - 3 == a || (c - 2) % 3 == a) points.at(Field::deviator, c)[p] *= T(-1);
+  }
+}
+
 // Gives a point that moved out of its stencil's reach a new one, or has it leave the grid: leave(point,
 // face). Returns whether it changed its cell.
 template <class Shape, class T, class Leave>
@@ -214,6 +236,7 @@ PM_NOINLINE bool relocate(const Points<T>& points, const GridGeometry<T>& grid, 
     if (!(std::abs(shift) < T(1e6))) continue;  // it has left
     base[a] += int(shift), f[a] -= shift;
   }
+  reflect<Shape>(points, grid, p, base, f);
   const int face = face_crossed(grid, base, f);
   if (face >= 0) leave(p, face);
   const std::size_t node = grid.field_of(points.cell[p]) + grid.index(base[0], base[1], base[2]);

@@ -40,6 +40,7 @@ struct Model {
   Model(const GridGeometry<T>& geometry, const Faces& faces_, std::vector<Material<T>> materials_,
         const Options& options_)
       : grid(geometry), faces(faces_), materials(std::move(materials_)), options(options_) {
+    for (int face = 0; face < 6; ++face) grid.is_symmetric[face] = faces[face] == Face::symmetry;
     T lightest = std::numeric_limits<T>::max();
     for (const auto& m : materials) {
       dampers.push_back(

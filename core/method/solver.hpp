@@ -166,6 +166,12 @@ class Solver {
       state.extremes.wave_speed =
           std::max(state.extremes.wave_speed, double(m.dilatational_speed() + std::sqrt(dot(v, v))));
     }
+    // Their images move too.
+    for (int face = 0; face < 6; ++face) {
+      const int axis = face / 2;
+      if (!m_.model.grid.is_symmetric[face]) continue;
+      most[axis] = max(most[axis], -least[axis]), least[axis] = min(least[axis], -most[axis]);
+    }
     const auto spread = most - least;
     state.closing_speed = std::sqrt(double(dot(spread, spread)));
   }
