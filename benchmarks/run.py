@@ -24,7 +24,7 @@ from reporting import write_rows
 from pockmark import Scene, Simulation, __version__
 from pockmark.bench import bench, bench_scene
 from pockmark.forecast import forecast
-from pockmark.store import commit
+from pockmark.provenance import commit
 
 HERE = Path(__file__).parent
 QUADRATIC = ["--set", "numerics.shape_functions=quadratic"]

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
-from pockmark.run import plot_process
+from pockmark.pictures import plot_process
 from pockmark.units import to_si
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .errors import PockmarkError
-    from .run import measure_run as measure
+    from .measured import measure_run as measure
     from .run import run_scene
     from .scene import Scene
     from .simulation import Simulation
@@ -21,7 +21,7 @@ _HOMES = {
     "PockmarkError": (".errors", "PockmarkError"),
     "Scene": (".scene", "Scene"),
     "Simulation": (".simulation", "Simulation"),
-    "measure": (".run", "measure_run"),
+    "measure": (".measured", "measure_run"),
     "run_scene": (".run", "run_scene"),
 }
 

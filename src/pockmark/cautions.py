@@ -7,14 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .crater import FIT_RADIUS, Crater
-from .geometry import LEAST_LAYERS, Setup
+from .geometry import ENOUGH_CELLS_ACROSS, LEAST_LAYERS, Setup
 from .hole import Hole
 from .results import misplaced
 from .surface import Surface
 
 SETTLED = 0.02  # change of the depth in the last tenth of a run
 ENOUGH_LAYERS = 4  # points through a wall
-ENOUGH_CELLS_ACROSS = 10  # of the grid across the projectile's diameter
 
 
 def missing(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Iterator[str]:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .geometry import Mirror, Setup
-from .surface import attached
+from .pieces import attached
 
 Array = NDArray[np.float64]
 SPEED_BINS, ANGLE_BINS = 16, 9

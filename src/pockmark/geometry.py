@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 Corner = tuple[float, float, float]
+ENOUGH_CELLS_ACROSS = 10  # of the grid across the projectile's diameter
 LEAST_LAYERS = 1.5  # of points, that a wall must have to be measured
 
 

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .geometry import LEAST_LAYERS, Wall
+from .pieces import largest_piece
 from .scene import Scene
 from .simulation import Simulation
-from .surface import EDGE, largest_piece
+from .surface import EDGE
 from .wall import first_wall
 
 Array = NDArray[np.float64]

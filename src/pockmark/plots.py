@@ -16,7 +16,7 @@ from .crater import Crater
 from .errors import shown
 from .geometry import Setup
 from .ledger import DRAWN, LEFT_ENERGIES
-from .snapshot import effective_stress
+from .stress import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
 Array = NDArray[np.floating]

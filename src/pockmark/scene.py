@@ -6,147 +6,26 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from .bodies import Body, Solid, Vector, overlap, require_size
+from .bodies import Body, Solid, overlap
 from .errors import PockmarkError, found, together
 from .geometry import Mirror
+from .grid import FACES, MAX_NODES, Boundary, Grid
+from .impact import Impact
 from .materials import Material, Model, complete
+from .numerics import Contact, Numerics, Output
 from .overrides import override
 from .sentences import faults
 from .toml import read_toml, to_toml
-from .units import Angle, Length, Number, Speed, Time, quantity
+from .units import quantity
 
-FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
-FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
-MAX_NODES = MAX_POINTS = 2**32 - 2  # what the core can number
+MAX_POINTS = 2**32 - 2  # what the core can number
 MAX_BODIES = 255
 MAX_STEPS = 1e9  # years
 MAX_OUTPUTS = 1e6
-
-
-class Grid(Model):
-    """The background grid: a box of cubic cells. The upper corner is rounded up to whole cells."""
-
-    lower: Vector
-    upper: Vector
-    cell: Annotated[Length, Field(gt=0)]
-
-    @property
-    def cells(self) -> tuple[int, int, int]:
-        """Number of cells along x, y, z."""
-        x, y, z = (math.ceil((u - w) / self.cell - 1e-9) for w, u in zip(self.lower, self.upper, strict=True))
-        return x, y, z
-
-    @property
-    def cell_count(self) -> int:
-        """Number of cells."""
-        return math.prod(self.cells)
-
-    @property
-    def node_count(self) -> int:
-        """Number of nodes, with the rim around the cells."""
-        return math.prod(n + 3 for n in self.cells)
-
-    @property
-    def corner(self) -> tuple[float, ...]:
-        """The upper corner after rounding to whole cells, m."""
-        return tuple(w + n * self.cell for w, n in zip(self.lower, self.cells, strict=True))
-
-    @property
-    def box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Lower and upper corners, m."""
-        return self.lower, self.corner
-
-    @model_validator(mode="after")
-    def _has_size(self) -> Self:
-        require_size(self.lower, self.upper)
-        # With the rim around them; in floats, which may be infinite where no whole number is.
-        nodes = math.prod((u - w) / self.cell + 4 for w, u in zip(self.lower, self.upper, strict=True))
-        if not nodes <= MAX_NODES:
-            raise ValueError(f"a cell of {self.cell:g} m makes {nodes:.3g} nodes, at most {MAX_NODES} fit")
-        return self
-
-
-class Boundary(Model):
-    """What each face of the grid does."""
-
-    x_lower: FaceKind = "transmitting"
-    x_upper: FaceKind = "transmitting"
-    y_lower: FaceKind = "symmetry"
-    y_upper: FaceKind = "transmitting"
-    z_lower: FaceKind = "transmitting"
-    z_upper: FaceKind = "free"
-
-    @property
-    def faces(self) -> tuple[FaceKind, ...]:
-        """The six faces in the core's order."""
-        return (self.x_lower, self.x_upper, self.y_lower, self.y_upper, self.z_lower, self.z_upper)
-
-
-class Impact(Model):
-    """Velocity of the projectile bodies: speed, angle from the normal of the surface, and the direction along the surface that
-    a positive angle leads to: azimuth, about z from +x towards +y."""
-
-    speed: Annotated[Speed, Field(ge=0)]
-    angle: Angle = 0.0
-    azimuth: Angle = 0.0
-
-    @field_validator("angle")
-    @classmethod
-    def _comes_from_above(cls, angle: float) -> float:
-        if not abs(angle) < math.pi / 2:
-            raise ValueError(
-                f"found {math.degrees(angle):g} deg, expected more than -90 deg and less than 90 deg"
-            )
-        return angle
-
-    @field_validator("azimuth")
-    @classmethod
-    def _is_within_a_turn(cls, azimuth: float) -> float:
-        if not abs(azimuth) <= 2 * math.pi * (1 + 1e-12):
-            raise ValueError(f"found {math.degrees(azimuth):g} deg, expected -360 deg to 360 deg")
-        return azimuth
-
-    @property
-    def velocity(self) -> tuple[float, float, float]:
-        """m/s; exactly 0 across the azimuth where that is a multiple of 90 degrees."""
-        along = self.speed * math.sin(self.angle)
-        x, y = _unit(self.azimuth)
-        return along * x + 0.0, along * y + 0.0, -self.speed * math.cos(self.angle)  # + 0.0: no -0.0
-
-    @property
-    def heading(self) -> tuple[float, float]:
-        """Unit vector along the surface that the projectiles move to; of a normal impact the azimuth's."""
-        x, y = _unit(self.azimuth)
-        return (-x + 0.0, -y + 0.0) if self.angle < 0 else (x, y)
-
-
-class Contact(Model):
-    """Contact of the projectile bodies with all others; without it what shares a node sticks together."""
-
-    friction: Annotated[Number, Field(ge=0, le=10)]
-
-
-class Numerics(Model):
-    """The method. The defaults are the ones compared in studies/README.md."""
-
-    scheme: Literal["usf", "musl", "usl", "usavg"] = "usavg"
-    shape_functions: Literal["trilinear", "quadratic"] = "trilinear"
-    cfl: Annotated[Number, Field(gt=0, le=1)] = 0.5
-    strain_limit: Annotated[Number, Field(gt=0, le=1)] = 0.2
-    pic_fraction: Annotated[Number, Field(ge=0, le=1)] = 0.0
-    mass_cutoff: Annotated[Number, Field(ge=0, le=1)] = 0.0
-    precision: Literal["double", "single"] = "double"
-
-
-class Output(Model):
-    """How often a run writes: time between snapshots, hit exactly, and between rows of the history, written with the first step at or beyond."""
-
-    snapshots: Annotated[Time, Field(gt=0)] = 1e-7
-    history: Annotated[Time, Field(gt=0)] = 2e-9
 
 
 class Scene(Model):
@@ -370,14 +249,6 @@ class Scene(Model):
             for i, kind in enumerate(self.boundary.faces[:4])
             if kind == "symmetry"
         )
-
-
-def _unit(azimuth: float) -> tuple[float, float]:
-    """Return the cosine and sine of an angle; those of a multiple of 90 degrees are exactly 0, 1 or -1."""
-    quarters = round(azimuth / (math.pi / 2))
-    rest = azimuth - quarters * (math.pi / 2)
-    c, s = (1.0, 0.0) if abs(rest) < 1e-12 else (math.cos(rest), math.sin(rest))
-    return ((c, s), (-s + 0.0, c), (-c, -s + 0.0), (s, -c))[quarters % 4]
 
 
 def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:

@@ -1,9 +1,9 @@
 """A scene as its measures see it."""
 
-from .forecast import cells_across
 from .geometry import Setup
 from .scene import Scene
 from .wall import first_wall, walls
+from .warnings import cells_across
 
 
 def setup_of(scene: Scene) -> Setup:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from . import _core
 from .errors import PockmarkError
 from .files import open_regular, reason, replaced
+from .stress import effective_stress
 
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
 # What measures and pictures are made of: a snapshot without one of them is none.
@@ -103,12 +104,6 @@ def write_snapshot(path: Path, fields: Mapping[str, NDArray[Any]], time_s: float
                 _write_vtkhdf(file, fields, time_s, step)
         except (OSError, RuntimeError) as error:  # HDF5 tells a full disk as either
             raise PockmarkError(f"{path}: cannot be written ({reason(error)})") from None
-
-
-def effective_stress(deviator: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the von Mises effective stress (n,) of deviators (n, 6) in the order xx, yy, zz, xy, yz, zx, Pa."""
-    twice = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])  # off the diagonal each component stands twice in s:s
-    return np.asarray(np.sqrt(1.5 * np.einsum("ij,ij,j->i", deviator, deviator, twice)))
 
 
 def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> None:

@@ -3,10 +3,7 @@
 import json
 import math
 import os
-import platform
 import re
-import subprocess
-import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -15,12 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import PHYSICS, __version__, _core
+from . import PHYSICS, __version__
 from .errors import PockmarkError
 from .files import read_text, told, write_text
 from .history import Rows, append_row, read_rows
 from .lock import LOCK, Lock, holder
 from .manifest import Measured, parse_manifest, row_as_record, validated
+from .provenance import commit, machine, now
 from .scene import Scene, hash_of
 from .snapshot import Snapshot, write_snapshot
 from .toml import parse_toml
@@ -208,56 +206,6 @@ def _start(scene: Scene) -> dict[str, Any]:
         "machine": machine(),
         "options": scene.numerics.model_dump(),
     }
-
-
-def machine() -> dict[str, Any]:
-    """Return the machine and the build: processor, cores, compiler."""
-    model = platform.processor() or platform.machine()
-    try:
-        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-            if line.startswith("model name"):
-                model = line.partition(":")[2].strip()
-                break
-    except OSError:
-        pass
-    return {
-        "processor": model,
-        "cores": os.cpu_count(),
-        "system": platform.platform(),
-        "python": platform.python_version(),
-        "build": dict(_core.build_info()),
-    }
-
-
-def commit() -> str | None:
-    """Return the git commit of the pockmark tree around this file ("-dirty" if its code changed since), or None."""
-    # A virtual environment inside somebody's own repository must not give that repository's commit.
-    if _git("ls-files", "--error-unmatch", ":/src/pockmark/store.py") is None:
-        return None
-    head = _git("rev-parse", "HEAD")
-    changed = _git("status", "--porcelain", "--", ":/src", ":/core", ":/CMakeLists.txt")
-    return f"{head}-dirty" if head and changed else head
-
-
-def _git(*arguments: str) -> str | None:
-    """Return the output of git in this file's folder, None if it fails or there is no git."""
-    try:
-        out = subprocess.run(
-            ["git", *arguments],
-            cwd=Path(__file__).parent,
-            capture_output=True,
-            text=True,
-            timeout=5,
-            check=False,
-        )
-    except (OSError, subprocess.TimeoutExpired):
-        return None
-    return out.stdout.strip() if out.returncode == 0 else None
-
-
-def now() -> str:
-    """Return the time, UTC, ISO 8601."""
-    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
 
 
 def finite(value: Any) -> Any:

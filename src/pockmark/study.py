@@ -17,7 +17,8 @@ from .campaign import Case
 from .errors import PockmarkError
 from .files import replaced, told
 from .forecast import forecast
-from .run import measure_run, run_scene
+from .measured import measure_run
+from .run import run_scene
 from .scene import Scene
 from .simulation import thread_count
 from .stop import heard_between_steps

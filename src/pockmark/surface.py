@@ -4,10 +4,9 @@ Linear tents as wide as the point spacing h carry each point's volume to nodes h
 the fraction is one half. Which points count, and why: docs/metrology.md.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from scipy import ndimage
 from skimage.measure import find_contours
 
 from .geometry import Mirror, Wall
+from .pieces import attached, filling, outside
 
 Array = NDArray[np.float64]
 SIGMA = 12**-0.5  # deviation of a surface that lies evenly within one point spacing, in spacings
@@ -93,7 +93,7 @@ class Field(OnNodes):
 
     def surface(self, level: float = 0.5) -> Surface:
         """Return the surface with `level` as the fraction that is taken as the surface."""
-        fraction = _outside(self.fraction - level + 0.5)
+        fraction = outside(self.fraction - level + 0.5)
         return Surface(self.x, self.y, self.z, fraction, self.spacing, self.back, self.is_backed)
 
 
@@ -173,15 +173,6 @@ def with_image(position: Array, mirror: Mirror) -> Array:
     return np.concatenate([position, image])
 
 
-def filling(position: Array, volume: Array, lower: Array, width: Array, shape: Sequence[int]) -> Array:
-    """Return the share (shape) of each cell lower + i width that the points fill; points elsewhere do not count."""
-    cell = np.floor((position - lower) / width).astype(np.int64)
-    inside = np.all((cell >= 0) & (cell < np.array(shape)), axis=1)
-    flat = np.ravel_multi_index(tuple(cell[inside].T), tuple(shape))
-    filled = np.bincount(flat, volume[inside], minlength=int(np.prod(shape)))
-    return np.asarray(filled.reshape(shape) / np.prod(width))
-
-
 def _neighbourhood(
     position: Array,
     volume: Array,
@@ -246,62 +237,3 @@ def _volume_fraction(
     for axis in range(3):
         field = ndimage.convolve1d(field, [0.5, 1.0, 0.5], axis=axis)
     return np.asarray(field[(slice(REACH, -REACH),) * 3])
-
-
-def largest_piece(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the largest connected piece of what is solid; nothing of nothing."""
-    labels, count = ndimage.label(solid)
-    if count == 0:
-        return np.zeros_like(solid)
-    return np.asarray(labels == np.argmax(np.bincount(labels.ravel())[1:]) + 1)
-
-
-def _outside(fraction: Array) -> Array:
-    """Return the fraction with only the voids that are open to the top, and then only the solid that hangs together.
-
-    A cube two nodes (one point spacing) wide decides both: what is narrower, clefts between the points of a stretched
-    wall, is filled, and what hangs on by less, debris on the rim, is off. Points resolve neither. A last node lets the
-    cube see into the corners that it leaves.
-    """
-    solid = fraction > 0.5
-    fraction = np.where(solid & ~largest_piece(solid), 0.0, fraction)
-    void = fraction <= 0.5
-    fraction = np.where(void & ~_reached_by_cube(void, _open_to_the_top), 1.0, fraction)
-    solid = fraction > 0.5
-    return np.where(solid & ~_reached_by_cube(solid, largest_piece), 0.0, fraction)
-
-
-def attached(
-    position: Array, volume: Array, spacing: float, owner: NDArray[Any] | None = None
-) -> NDArray[np.bool_]:
-    """Return whether each point (n,) is in or next to what hangs together: of cells, two spacings wide, more than half full, the
-    piece that holds most of all, or of each `owner` (n,), those below 0 left out: a wall behind another is no debris."""
-    if len(position) == 0:
-        return np.zeros(0, dtype=bool)
-    width = np.full(3, 2 * spacing)
-    lower = np.floor(position.min(axis=0) / width) * width - width
-    cell = np.floor((position - lower) / width).astype(np.int64)
-    pieces, count = ndimage.label(filling(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5)
-    of_point = pieces[tuple(cell.T)]
-    owner = np.zeros(len(position), dtype=int) if owner is None else owner
-    largest: list[int] = []
-    for one in np.unique(owner[owner >= 0]):
-        share = np.bincount(of_point[owner == one], volume[owner == one], minlength=count + 1)
-        if share[1:].any():
-            largest.append(int(np.argmax(share[1:])) + 1)
-    near = ndimage.binary_dilation(np.isin(pieces, largest), np.ones((3, 3, 3)))
-    return np.asarray(near[tuple(cell.T)])
-
-
-def _reached_by_cube(
-    place: NDArray[np.bool_], choose: Callable[[NDArray[np.bool_]], NDArray[np.bool_]]
-) -> NDArray[np.bool_]:
-    """Return of a place what the cube covers, and one node more, while its centre stays in what is chosen of where it fits."""
-    cube = np.ones((3, 3, 3))
-    centres = choose(ndimage.binary_erosion(place, cube, border_value=1))
-    return np.asarray(ndimage.binary_dilation(centres, cube, iterations=2) & place)
-
-
-def _open_to_the_top(place: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    labels, _ = ndimage.label(place)
-    return np.isin(labels, np.setdiff1d(labels[:, :, -1], 0))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from reporting import Row, write_rows
 from skimage.measure import approximate_polygon
 
-from pockmark.run import surface_of_run
+from pockmark.measured import surface_of_run
 from pockmark.surface import Surface
 
 Lines = list[NDArray[np.float64]]  # um

@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from pockmark.measured import surface_of_run
 from pockmark.modes import ROMAN
 from pockmark.morphology import group_of
-from pockmark.run import surface_of_run
 from pockmark.setup import setup_of
 from pockmark.store import RunFolder
 

@@ -13,8 +13,10 @@ from physics import impossible_history, impossible_points, impossible_result
 
 from pockmark import Scene, campaign
 from pockmark.forecast import forecast
+from pockmark.measured import measure_run
+from pockmark.pictures import plot_run
 from pockmark.report import report
-from pockmark.run import measure_run, plot_run, run_scene
+from pockmark.run import run_scene
 from pockmark.store import RunFolder, Snapshot, to_json
 
 COMMANDS = 3  # one case in so many goes through the command line too

@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, measure
-from pockmark.run import plot_process, plot_run, run_scene, standing_of, surface_of_run
+from pockmark.measured import standing_of, surface_of_run
+from pockmark.pictures import plot_process, plot_run
+from pockmark.run import run_scene
 from pockmark.store import RunFolder, Snapshot
 from pockmark.study import is_done
 

@@ -8,8 +8,9 @@ import pytest
 
 from pockmark import PockmarkError, Scene, Simulation
 from pockmark.bodies import Block, Cylinder, Sphere, Swarm, overlap
-from pockmark.forecast import cells_across, forecast
+from pockmark.forecast import forecast
 from pockmark.setup import setup_of
+from pockmark.warnings import cells_across
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 UM = 1e-6

@@ -6,16 +6,9 @@ from pathlib import Path
 import pytest
 
 from pockmark import PockmarkError, Scene
-from pockmark.forecast import (
-    _memory_warning,
-    _particle_speed,
-    available_memory,
-    cells_across,
-    forecast,
-    predicted_depth,
-    settling_time,
-)
+from pockmark.forecast import _memory_warning, available_memory, forecast
 from pockmark.run import run_scene
+from pockmark.warnings import _particle_speed, cells_across, predicted_depth, settling_time
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NORMAL, QUICK = EXAMPLES / "normal-2200.toml", EXAMPLES / "quick.toml"

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene
+from pockmark.impact import Impact
+from pockmark.measured import measure_run
+from pockmark.pictures import plot_run
 from pockmark.plots import slice_axis
-from pockmark.run import measure_run, plot_run, run_scene
-from pockmark.scene import Impact
+from pockmark.run import run_scene
 from pockmark.setup import setup_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -9,8 +9,9 @@ from pockmark.crater import measure_crater
 from pockmark.geometry import Mirror, Setup, Wall
 from pockmark.hole import measure_hole
 from pockmark.morphology import measure_group
+from pockmark.pictures import plot_run
 from pockmark.results import group_table, hole_table
-from pockmark.run import plot_run, run_scene
+from pockmark.run import run_scene
 from pockmark.surface import target_field
 from pockmark.wall import first_wall, walls
 

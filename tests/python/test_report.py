@@ -12,8 +12,9 @@ from rich.console import Console
 from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.counters import COUNTERS
 from pockmark.ledger import DRAWN, LEDGER, LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
+from pockmark.pictures import plot_run
 from pockmark.report import report
-from pockmark.run import plot_run, run_scene
+from pockmark.run import run_scene
 from pockmark.store import RunFolder, to_json
 
 ROOT = Path(__file__).parents[2]

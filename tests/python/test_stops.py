@@ -17,7 +17,9 @@ from rich.console import Console
 
 from pockmark import PockmarkError, Scene, measure
 from pockmark.campaign import cases, load
-from pockmark.run import plot_run, run_scene, standing_of
+from pockmark.measured import standing_of
+from pockmark.pictures import plot_run
+from pockmark.run import run_scene
 from pockmark.store import RunFolder
 from pockmark.study import place, run_study
 

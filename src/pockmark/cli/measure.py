@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
+from ..measured import measure_run
 from ..report import report
-from ..run import measure_run
 from ..store import to_json
 from .common import CONSOLE, RunDir
 

@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from ..errors import shown
-from ..run import plot_run, standing_of
+from ..measured import standing_of
+from ..pictures import plot_run
 from ..terminal import literal
 from .common import CONSOLE, MAX_PATH, RunDir
 

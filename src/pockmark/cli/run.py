@@ -7,8 +7,10 @@ import typer
 
 from ..errors import shown
 from ..forecast import forecast
+from ..measured import measure_run
+from ..pictures import plot_run
 from ..report import report
-from ..run import measure_run, plot_run, run_scene
+from ..run import run_scene
 from ..scene import Scene
 from ..simulation import thread_count
 from ..stop import heard_between_steps
