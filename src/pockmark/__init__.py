@@ -5,7 +5,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .errors import PockmarkError
+    from .base.errors import PockmarkError
     from .measured import measure_run as measure
     from .run import run_scene
     from .scene import Scene
@@ -18,7 +18,7 @@ PHYSICS = 25
 __all__ = ["PHYSICS", "PockmarkError", "Scene", "Simulation", "__version__", "measure", "run_scene"]
 
 _HOMES = {
-    "PockmarkError": (".errors", "PockmarkError"),
+    "PockmarkError": (".base.errors", "PockmarkError"),
     "Scene": (".scene", "Scene"),
     "Simulation": (".simulation", "Simulation"),
     "measure": (".measured", "measure_run"),

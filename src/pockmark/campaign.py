@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationError
 
-from .errors import PockmarkError
+from .base.errors import PockmarkError
+from .base.toml import read_toml, to_toml
 from .materials import Model
 from .scene import Scene
 from .sentences import sentence
-from .toml import read_toml, to_toml
 
 FILE = "campaign.toml"
 Changes = Annotated[dict[str, Any], Field(default_factory=dict)]  # "impact.speed": "4 km/s"

@@ -5,9 +5,9 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from .base.units import Length
 from .bodies import Vector, require_size
 from .materials import Model
-from .units import Length
 
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")

@@ -5,8 +5,8 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
+from .base.units import Angle, Speed
 from .materials import Model
-from .units import Angle, Speed
 
 
 class Impact(Model):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .geometry import LEAST_LAYERS, Wall
+from .base.geometry import LEAST_LAYERS, Wall
 from .pieces import largest_piece
 from .scene import Scene
 from .simulation import Simulation

@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from .counters import COUNTERS, GONE
-from .errors import PockmarkError
-from .ledger import LEDGER
+from .base.counters import COUNTERS, GONE
+from .base.errors import PockmarkError
+from .base.ledger import LEDGER
 from .sentences import sentence
 
 Status = Literal["running", "finished", "interrupted", "failed"]

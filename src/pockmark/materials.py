@@ -10,8 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
 from . import _core
-from .errors import PockmarkError, found
-from .units import quantity
+from .base.errors import PockmarkError, found
+from .base.units import quantity
 
 
 class Model(BaseModel):

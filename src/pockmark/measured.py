@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from . import results
+from .base.errors import PockmarkError
+from .base.geometry import Setup
 from .doubts import doubts
-from .errors import PockmarkError
-from .geometry import Setup
 from .measures import UNWARNED, measures, surface_of, worst_error
 from .report import standing
 from .run import treatments

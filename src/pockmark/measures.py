@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import cautions, results
-from .geometry import Setup
+from .base.geometry import Setup
 from .hole import measure_hole
 from .morphology import group_of
 from .surface import Field, Surface

@@ -14,10 +14,10 @@ from scipy import ndimage
 from scipy.interpolate import interpn
 from skimage.segmentation import watershed
 
+from .base.geometry import Setup
 from .contours import polygon_moments
 from .crater import Openings, Pithead, floor_of
 from .ellipse import Ellipse, ellipse_of
-from .geometry import Setup
 from .surface import Surface, with_image
 
 Array = NDArray[np.float64]

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from .base.units import Number, Time
 from .materials import Model
-from .units import Number, Time
 
 
 class Contact(Model):

@@ -5,8 +5,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from . import results
-from .errors import PockmarkError
-from .files import replaced, told
+from .base.errors import PockmarkError
+from .base.files import replaced, told
 from .hole import measure_hole
 from .measured import in_the_grid, surface_in
 from .measures import UNWARNED

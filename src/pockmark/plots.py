@@ -12,10 +12,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from .base.errors import shown
+from .base.geometry import Setup
+from .base.ledger import DRAWN, LEFT_ENERGIES
 from .crater import Crater
-from .errors import shown
-from .geometry import Setup
-from .ledger import DRAWN, LEFT_ENERGIES
 from .stress import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]

@@ -5,9 +5,9 @@ from typing import Any
 
 from rich.table import Table
 
-from .counters import COUNTERS
+from .base.counters import COUNTERS
+from .base.terminal import literal
 from .modes import ROMAN
-from .terminal import literal
 
 Results = Mapping[str, Any]
 

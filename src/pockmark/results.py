@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .base.geometry import LEAST_LAYERS, Setup
+from .base.ledger import LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from .crater import Crater, measure_crater
 from .ejecta import copies, enhancement, find_ejecta, whole_momentum
 from .ellipse import Ellipse
-from .geometry import LEAST_LAYERS, Setup
 from .hole import Hole, measure_hole
-from .ledger import LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from .lining import lining
 from .modes import bottoms_of, measures_of, mode_of
 from .morphology import Group, Pit

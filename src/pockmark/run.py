@@ -5,8 +5,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from .counters import GONE
-from .errors import PockmarkError
+from .base.counters import GONE
+from .base.errors import PockmarkError
 from .provenance import now
 from .scene import Scene
 from .simulation import Simulation, Task

@@ -10,17 +10,17 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
+from .base.errors import PockmarkError, found, together
+from .base.geometry import Mirror
+from .base.toml import read_toml, to_toml
+from .base.units import quantity
 from .bodies import Body, Solid, overlap
-from .errors import PockmarkError, found, together
-from .geometry import Mirror
 from .grid import FACES, MAX_NODES, Boundary, Grid
 from .impact import Impact
 from .materials import Material, Model, complete
 from .numerics import Contact, Numerics, Output
 from .overrides import override
 from .sentences import faults
-from .toml import read_toml, to_toml
-from .units import quantity
 
 MAX_POINTS = 2**32 - 2  # what the core can number
 MAX_BODIES = 255

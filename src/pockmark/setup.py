@@ -1,6 +1,6 @@
 """A scene as its measures see it."""
 
-from .geometry import Setup
+from .base.geometry import Setup
 from .scene import Scene
 from .wall import first_wall, walls
 from .warnings import cells_across

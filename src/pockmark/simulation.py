@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .errors import PockmarkError
+from .base.errors import PockmarkError
 from .points import make_points
 from .scene import Scene
 

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .errors import PockmarkError
-from .files import open_regular, reason, replaced
+from .base.errors import PockmarkError
+from .base.files import open_regular, reason, replaced
 from .stress import effective_stress
 
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}

@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import PHYSICS, __version__
-from .errors import PockmarkError
-from .files import read_text, told, write_text
+from .base.errors import PockmarkError
+from .base.files import read_text, told, write_text
+from .base.toml import parse_toml
 from .history import Rows, append_row, read_rows
 from .lock import LOCK, Lock, holder
 from .manifest import Measured, parse_manifest, row_as_record, validated
 from .provenance import commit, machine, now
 from .scene import Scene, hash_of
 from .snapshot import Snapshot, write_snapshot
-from .toml import parse_toml
 
 MANIFEST = "manifest.json"
 HISTORY = "history.csv"

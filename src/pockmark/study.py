@@ -13,9 +13,10 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, Ti
 from rich.table import Table
 
 from . import PHYSICS, __version__
+from .base.errors import PockmarkError
+from .base.files import replaced, told
+from .base.terminal import literal
 from .campaign import Case
-from .errors import PockmarkError
-from .files import replaced, told
 from .forecast import forecast
 from .measured import measure_run
 from .run import run_scene
@@ -23,7 +24,6 @@ from .scene import Scene
 from .simulation import thread_count
 from .stop import heard_between_steps
 from .store import RunFolder
-from .terminal import literal
 from .workers import run_apart
 
 

@@ -4,8 +4,8 @@ import time
 
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
+from .base.ledger import LEDGER
 from .doubts import Doubts
-from .ledger import LEDGER
 from .live import live_depth
 from .simulation import LiveFields, Simulation
 from .store import RunFolder

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from .base.geometry import Wall
 from .bodies import Solid, box_gap
-from .geometry import Wall
 from .scene import Scene
 
 

@@ -4,10 +4,10 @@ import math
 
 from scipy.optimize import brentq
 
+from .base.errors import shown
+from .base.geometry import ENOUGH_CELLS_ACROSS
 from .bodies import Solid
 from .equations import volume_energy
-from .errors import shown
-from .geometry import ENOUGH_CELLS_ACROSS
 from .grid import FACES
 from .materials import JohnsonCook, Material, MieGruneisen
 from .scene import Scene

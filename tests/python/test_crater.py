@@ -5,8 +5,8 @@ from itertools import product
 import numpy as np
 import pytest
 
+from pockmark.base.geometry import Mirror
 from pockmark.crater import measure_target
-from pockmark.geometry import Mirror
 from pockmark.surface import SIGMA
 from pockmark.uncertainty import LEVELS, uncertainties
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from pockmark.base.geometry import Mirror, Setup
 from pockmark.crater import measure_target
 from pockmark.ejecta import enhancement, find_ejecta
-from pockmark.geometry import Mirror, Setup
 from pockmark.lining import lining
 
 H = 2e-6

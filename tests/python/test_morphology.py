@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pockmark.geometry import Setup
+from pockmark.base.geometry import Setup
 from pockmark.modes import THRESHOLDS, measures_of, mode_of
 from pockmark.morphology import measure_group
 from pockmark.results import group_table

@@ -10,8 +10,8 @@ import pytest
 from rich.console import Console
 
 from pockmark import Scene, Simulation, measure
+from pockmark.base.ledger import LEDGER as KEYS
 from pockmark.cli import main
-from pockmark.ledger import LEDGER as KEYS
 from pockmark.measures import measures
 from pockmark.pictures import plot_run
 from pockmark.plots import HISTORY_COLUMNS, history_figure, slice_figure

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from pockmark import Scene, measure
+from pockmark.base.geometry import Mirror, Setup, Wall
 from pockmark.cautions import of_crater, of_hole
 from pockmark.crater import measure_crater
-from pockmark.geometry import Mirror, Setup, Wall
 from pockmark.hole import measure_hole
 from pockmark.morphology import measure_group
 from pockmark.pictures import plot_run

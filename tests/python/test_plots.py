@@ -9,8 +9,8 @@ import pytest
 from matplotlib import colormaps
 from numpy.typing import NDArray
 
+from pockmark.base.geometry import Setup
 from pockmark.crater import Crater
-from pockmark.geometry import Setup
 from pockmark.plots import history_figure, process_figure, slice_figure
 
 UM = 1e-6

@@ -10,8 +10,8 @@ import pytest
 from rich.console import Console
 
 from pockmark import PockmarkError, Scene, Simulation, measure
-from pockmark.counters import COUNTERS
-from pockmark.ledger import DRAWN, LEDGER, LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
+from pockmark.base.counters import COUNTERS
+from pockmark.base.ledger import DRAWN, LEDGER, LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from pockmark.pictures import plot_run
 from pockmark.report import report
 from pockmark.run import run_scene

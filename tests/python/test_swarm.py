@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene
+from pockmark.base.toml import read_toml
 from pockmark.bodies import Swarm
 from pockmark.bodies.placement import TRIES, at_random
 from pockmark.points import make_points
-from pockmark.toml import read_toml
 
 GROUP = Path(__file__).parents[2] / "examples" / "group-4500.toml"
 DENSITY = 2770.0
@@ -143,7 +143,7 @@ FORGOTTEN = [
 LIMITED = """
 import resource, sys, time
 from pockmark import PockmarkError, Scene
-from pockmark.toml import read_toml
+from pockmark.base.toml import read_toml
 table = read_toml(sys.argv[1])
 Scene.from_dict(table)  # what is imported and kept for all scenes
 used = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()

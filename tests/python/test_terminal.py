@@ -11,12 +11,12 @@ import pytest
 from rich.console import Console
 
 from pockmark import PockmarkError, Scene
+from pockmark.base.errors import found, shown, together
+from pockmark.base.geometry import Setup
+from pockmark.base.terminal import literal, make_console
 from pockmark.campaign import Case
-from pockmark.errors import found, shown, together
-from pockmark.geometry import Setup
 from pockmark.plots import slice_figure
 from pockmark.study import Outcome, run_study, summary
-from pockmark.terminal import literal, make_console
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 HOSTILE = [

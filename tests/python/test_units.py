@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pockmark import PockmarkError, Scene
-from pockmark.units import to_si
+from pockmark.base.units import to_si
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 

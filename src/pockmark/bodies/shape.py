@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo, field_validator
 
-from ..geometry import Mirror
+from ..base.geometry import Mirror
+from ..base.units import Length, Velocity
 from ..materials import Model
-from ..units import Length, Velocity
 
 Array = NDArray[np.floating]
 Vector = tuple[Length, Length, Length]

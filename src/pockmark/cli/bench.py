@@ -5,9 +5,9 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
+from ..base.errors import PockmarkError
 from ..bench import bench as run_bench
 from ..bench import bench_scene
-from ..errors import PockmarkError
 from ..simulation import thread_count
 from ..store import to_json
 from .common import CONSOLE, Overrides, Threads

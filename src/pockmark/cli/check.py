@@ -2,10 +2,10 @@
 
 from rich.table import Table
 
+from ..base.terminal import literal
 from ..forecast import forecast
 from ..scene import Scene
 from ..simulation import thread_count
-from ..terminal import literal
 from .common import CONSOLE, Overrides, SceneFile, Threads
 
 

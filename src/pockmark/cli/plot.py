@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ..errors import shown
+from ..base.errors import shown
+from ..base.terminal import literal
 from ..measured import standing_of
 from ..pictures import plot_run
-from ..terminal import literal
 from .common import CONSOLE, MAX_PATH, RunDir
 
 

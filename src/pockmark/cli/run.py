@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from ..errors import shown
+from ..base.errors import shown
+from ..base.terminal import literal
 from ..forecast import forecast
 from ..measured import measure_run
 from ..pictures import plot_run
@@ -14,7 +15,6 @@ from ..run import run_scene
 from ..scene import Scene
 from ..simulation import thread_count
 from ..stop import heard_between_steps
-from ..terminal import literal
 from .common import CONSOLE, MAX_PATH, Overrides, SceneFile, Threads
 
 DOUBTFUL = 3  # exit code of a run that finished in a state that cannot be
