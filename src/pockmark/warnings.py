@@ -7,8 +7,8 @@ from scipy.optimize import brentq
 from .base.errors import shown
 from .base.geometry import ENOUGH_CELLS_ACROSS
 from .bodies import Solid
-from .equations import volume_energy
 from .grid import FACES
+from .laws.equations import volume_energy
 from .materials import JohnsonCook, Material, MieGruneisen
 from .scene import Scene
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pockmark.equations import cour_palais, herrmann_jones, summers_charters, volume_energy
+from pockmark.laws.equations import cour_palais, herrmann_jones, summers_charters, volume_energy
 
 # P/d for equal densities, Y = 265 MPa, Brinell 120, C = 5.33 km/s, d = 20 um.
 SPEEDS = (700, 1300, 1500, 2000, 2200, 4500, 5000)
