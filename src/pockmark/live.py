@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from .base.geometry import LEAST_LAYERS, Wall
-from .pieces import largest_piece
+from .metrology.pieces import largest_piece
+from .metrology.surface import EDGE
 from .scene import Scene
 from .simulation import Simulation
-from .surface import EDGE
 from .wall import first_wall
 
 Array = NDArray[np.float64]

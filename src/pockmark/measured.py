@@ -5,18 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from . import results
 from .base.errors import PockmarkError
 from .base.geometry import Setup
 from .doubts import doubts
-from .measures import UNWARNED, measures, surface_of, worst_error
+from .metrology import results
+from .metrology.measures import UNWARNED, measures, surface_of, worst_error
+from .metrology.surface import Surface
 from .report import standing
 from .run import treatments
 from .scene import Scene
 from .setup import setup_of
 from .snapshot import Snapshot
 from .store import RunFolder, finite
-from .surface import Surface
 from .warnings import frame_warnings
 
 

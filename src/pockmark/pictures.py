@@ -4,12 +4,12 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from . import results
 from .base.errors import PockmarkError
 from .base.files import replaced, told
-from .hole import measure_hole
 from .measured import in_the_grid, surface_in
-from .measures import UNWARNED
+from .metrology import results
+from .metrology.hole import measure_hole
+from .metrology.measures import UNWARNED
 from .plots import HISTORY_COLUMNS, history_figure, process_figure, slice_figure
 from .setup import setup_of
 from .snapshot import Snapshot

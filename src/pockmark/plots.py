@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from .base.errors import shown
 from .base.geometry import Setup
 from .base.ledger import DRAWN, LEFT_ENERGIES
-from .crater import Crater
-from .stress import effective_stress
+from .metrology.crater import Crater
+from .metrology.stress import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
 Array = NDArray[np.floating]

@@ -7,7 +7,7 @@ from rich.table import Table
 
 from .base.counters import COUNTERS
 from .base.terminal import literal
-from .modes import ROMAN
+from .metrology.modes import ROMAN
 
 Results = Mapping[str, Any]
 

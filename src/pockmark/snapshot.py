@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from . import _core
 from .base.errors import PockmarkError
 from .base.files import open_regular, reason, replaced
-from .stress import effective_stress
+from .metrology.stress import effective_stress
 
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
 # What measures and pictures are made of: a snapshot without one of them is none.

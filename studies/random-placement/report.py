@@ -10,8 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from pockmark.measured import surface_of_run
-from pockmark.modes import ROMAN
-from pockmark.morphology import group_of
+from pockmark.metrology.modes import ROMAN
+from pockmark.metrology.morphology import group_of
 from pockmark.setup import setup_of
 from pockmark.store import RunFolder
 

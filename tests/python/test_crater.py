@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pockmark.base.geometry import Mirror
-from pockmark.crater import measure_target
-from pockmark.surface import SIGMA
-from pockmark.uncertainty import LEVELS, uncertainties
+from pockmark.metrology.crater import measure_target
+from pockmark.metrology.surface import SIGMA
+from pockmark.metrology.uncertainty import LEVELS, uncertainties
 
 UM = 1e-6
 H = 2.0  # point spacing, um; a cell is 2 H

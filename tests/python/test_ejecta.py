@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from pockmark.base.geometry import Mirror, Setup
-from pockmark.crater import measure_target
-from pockmark.ejecta import enhancement, find_ejecta
-from pockmark.lining import lining
+from pockmark.metrology.crater import measure_target
+from pockmark.metrology.ejecta import enhancement, find_ejecta
+from pockmark.metrology.lining import lining
 
 H = 2e-6
 HALF = (Mirror(1, 0.0, above=False),)

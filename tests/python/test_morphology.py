@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from pockmark.base.geometry import Setup
-from pockmark.modes import THRESHOLDS, measures_of, mode_of
-from pockmark.morphology import measure_group
-from pockmark.results import group_table
-from pockmark.surface import Surface
+from pockmark.metrology.modes import THRESHOLDS, measures_of, mode_of
+from pockmark.metrology.morphology import measure_group
+from pockmark.metrology.results import group_table
+from pockmark.metrology.surface import Surface
 
 UM = 1e-6
 H, PITCH = 1.0, 25.0  # point spacing and the distance of neighbours, um

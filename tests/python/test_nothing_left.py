@@ -12,12 +12,12 @@ from rich.console import Console
 from pockmark import Scene, Simulation, measure
 from pockmark.base.ledger import LEDGER as KEYS
 from pockmark.cli import main
-from pockmark.measures import measures
+from pockmark.metrology.measures import measures
+from pockmark.metrology.results import crater_of, depth_change, field_of
 from pockmark.pictures import plot_run
 from pockmark.plots import HISTORY_COLUMNS, history_figure, slice_figure
 from pockmark.points import make_points
 from pockmark.report import report
-from pockmark.results import crater_of, depth_change, field_of
 from pockmark.run import run_scene
 from pockmark.setup import setup_of
 from pockmark.store import RunFolder, finite, to_json

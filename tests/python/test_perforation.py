@@ -5,14 +5,14 @@ import pytest
 
 from pockmark import Scene, measure
 from pockmark.base.geometry import Mirror, Setup, Wall
-from pockmark.cautions import of_crater, of_hole
-from pockmark.crater import measure_crater
-from pockmark.hole import measure_hole
-from pockmark.morphology import measure_group
+from pockmark.metrology.cautions import of_crater, of_hole
+from pockmark.metrology.crater import measure_crater
+from pockmark.metrology.hole import measure_hole
+from pockmark.metrology.morphology import measure_group
+from pockmark.metrology.results import group_table, hole_table
+from pockmark.metrology.surface import target_field
 from pockmark.pictures import plot_run
-from pockmark.results import group_table, hole_table
 from pockmark.run import run_scene
-from pockmark.surface import target_field
 from pockmark.wall import first_wall, walls
 
 UM = 1e-6

@@ -10,7 +10,7 @@ from matplotlib import colormaps
 from numpy.typing import NDArray
 
 from pockmark.base.geometry import Setup
-from pockmark.crater import Crater
+from pockmark.metrology.crater import Crater
 from pockmark.plots import history_figure, process_figure, slice_figure
 
 UM = 1e-6

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .base.geometry import Mirror, Wall
+from ..base.geometry import Mirror, Wall
 from .contours import contour_area, largest_contour, open_at_edge, polygon_moments
 from .ellipse import Ellipse, ellipse_of, with_area
 from .rim import Rim, crest_height, mean_crest, rim_of

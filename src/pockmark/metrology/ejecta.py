@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .base.geometry import Mirror, Setup
+from ..base.geometry import Mirror, Setup
 from .pieces import attached
 
 Array = NDArray[np.float64]

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.geometry import Setup
 from . import cautions, results
-from .base.geometry import Setup
 from .hole import measure_hole
 from .morphology import group_of
 from .surface import Field, Surface

@@ -14,7 +14,7 @@ from scipy import ndimage
 from scipy.interpolate import interpn
 from skimage.segmentation import watershed
 
-from .base.geometry import Setup
+from ..base.geometry import Setup
 from .contours import polygon_moments
 from .crater import Openings, Pithead, floor_of
 from .ellipse import Ellipse, ellipse_of

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .base.geometry import ENOUGH_CELLS_ACROSS, LEAST_LAYERS, Setup
+from ..base.geometry import ENOUGH_CELLS_ACROSS, LEAST_LAYERS, Setup
 from .crater import FIT_RADIUS, Crater
 from .hole import Hole
 from .results import misplaced

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skimage.measure import points_in_poly
 
-from .base.geometry import Setup
+from ..base.geometry import Setup
 from .crater import FIT_RADIUS, Crater
 from .surface import with_images
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import find_contours
 
-from .base.geometry import Mirror, Wall
+from ..base.geometry import Mirror, Wall
 from .pieces import attached, filling, outside
 
 Array = NDArray[np.float64]

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .base.geometry import LEAST_LAYERS, Setup
-from .base.ledger import LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
+from ..base.geometry import LEAST_LAYERS, Setup
+from ..base.ledger import LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from .crater import Crater, measure_crater
 from .ejecta import copies, enhancement, find_ejecta, whole_momentum
 from .ellipse import Ellipse
