@@ -11,12 +11,12 @@ from .doubts import doubts
 from .metrology import results
 from .metrology.measures import UNWARNED, measures, surface_of, worst_error
 from .metrology.surface import Surface
-from .report import standing
 from .run import treatments
 from .scene import Scene
 from .setup import setup_of
 from .snapshot import Snapshot
 from .store import RunFolder, finite
+from .view.report import standing
 from .warnings import frame_warnings
 
 

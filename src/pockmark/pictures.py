@@ -10,10 +10,10 @@ from .measured import in_the_grid, surface_in
 from .metrology import results
 from .metrology.hole import measure_hole
 from .metrology.measures import UNWARNED
-from .plots import HISTORY_COLUMNS, history_figure, process_figure, slice_figure
 from .setup import setup_of
 from .snapshot import Snapshot
 from .store import UNENDED, RunFolder
+from .view.plots import HISTORY_COLUMNS, history_figure, process_figure, slice_figure
 
 
 @UNWARNED

@@ -15,9 +15,9 @@ from pockmark import Scene, campaign
 from pockmark.forecast import forecast
 from pockmark.measured import measure_run
 from pockmark.pictures import plot_run
-from pockmark.report import report
 from pockmark.run import run_scene
 from pockmark.store import RunFolder, Snapshot, to_json
+from pockmark.view.report import report
 
 COMMANDS = 3  # one case in so many goes through the command line too
 PICTURES = 2  # one in so many is drawn, which takes the longest

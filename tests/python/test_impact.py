@@ -10,9 +10,9 @@ from pockmark import PockmarkError, Scene
 from pockmark.impact import Impact
 from pockmark.measured import measure_run
 from pockmark.pictures import plot_run
-from pockmark.plots import slice_axis
 from pockmark.run import run_scene
 from pockmark.setup import setup_of
+from pockmark.view.plots import slice_axis
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

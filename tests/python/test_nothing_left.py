@@ -15,12 +15,12 @@ from pockmark.cli import main
 from pockmark.metrology.measures import measures
 from pockmark.metrology.results import crater_of, depth_change, field_of
 from pockmark.pictures import plot_run
-from pockmark.plots import HISTORY_COLUMNS, history_figure, slice_figure
 from pockmark.points import make_points
-from pockmark.report import report
 from pockmark.run import run_scene
 from pockmark.setup import setup_of
 from pockmark.store import RunFolder, finite, to_json
+from pockmark.view.plots import HISTORY_COLUMNS, history_figure, slice_figure
+from pockmark.view.report import report
 
 LEDGER = dict.fromkeys(KEYS, 0.0) | {"initial": 1.0}
 RUN = {"status": "finished", "end_time": 1e-8, "time": 1e-8, "max_compression": 1.0, "points": 1, "steps": 1}

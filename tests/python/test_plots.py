@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pockmark.base.geometry import Setup
 from pockmark.metrology.crater import Crater
-from pockmark.plots import history_figure, process_figure, slice_figure
+from pockmark.view.plots import history_figure, process_figure, slice_figure
 
 UM = 1e-6
 H = 2.0 * UM  # point spacing

@@ -13,9 +13,9 @@ from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.base.counters import COUNTERS
 from pockmark.base.ledger import DRAWN, LEDGER, LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from pockmark.pictures import plot_run
-from pockmark.report import report
 from pockmark.run import run_scene
 from pockmark.store import RunFolder, to_json
+from pockmark.view.report import report
 
 ROOT = Path(__file__).parents[2]
 QUICK = ROOT / "examples" / "quick.toml"

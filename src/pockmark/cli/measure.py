@@ -5,8 +5,8 @@ from typing import Annotated
 import typer
 
 from ..measured import measure_run
-from ..report import report
 from ..store import to_json
+from ..view.report import report
 from .common import CONSOLE, RunDir
 
 

@@ -10,11 +10,11 @@ from ..base.terminal import literal
 from ..forecast import forecast
 from ..measured import measure_run
 from ..pictures import plot_run
-from ..report import report
 from ..run import run_scene
 from ..scene import Scene
 from ..simulation import thread_count
 from ..stop import heard_between_steps
+from ..view.report import report
 from .common import CONSOLE, MAX_PATH, Overrides, SceneFile, Threads
 
 DOUBTFUL = 3  # exit code of a run that finished in a state that cannot be

@@ -5,9 +5,9 @@ from typing import Any
 
 from rich.table import Table
 
-from .base.counters import COUNTERS
-from .base.terminal import literal
-from .metrology.modes import ROMAN
+from ..base.counters import COUNTERS
+from ..base.terminal import literal
+from ..metrology.modes import ROMAN
 
 Results = Mapping[str, Any]
 

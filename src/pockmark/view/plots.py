@@ -12,11 +12,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from .base.errors import shown
-from .base.geometry import Setup
-from .base.ledger import DRAWN, LEFT_ENERGIES
-from .metrology.crater import Crater
-from .metrology.stress import effective_stress
+from ..base.errors import shown
+from ..base.geometry import Setup
+from ..base.ledger import DRAWN, LEFT_ENERGIES
+from ..metrology.crater import Crater
+from ..metrology.stress import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]
 Array = NDArray[np.floating]
