@@ -23,8 +23,8 @@ from reporting import write_rows
 
 from pockmark import Scene, Simulation, __version__
 from pockmark.bench import bench, bench_scene
-from pockmark.forecast import forecast
 from pockmark.provenance import commit
+from pockmark.scene.forecast import forecast
 
 HERE = Path(__file__).parent
 QUADRATIC = ["--set", "numerics.shape_functions=quadratic"]

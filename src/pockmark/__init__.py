@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from .base.errors import PockmarkError
     from .measured import measure_run as measure
     from .run import run_scene
-    from .scene import Scene
+    from .scene.scene import Scene
     from .simulation import Simulation
 
 __version__ = version("pockmark")
@@ -19,7 +19,7 @@ __all__ = ["PHYSICS", "PockmarkError", "Scene", "Simulation", "__version__", "me
 
 _HOMES = {
     "PockmarkError": (".base.errors", "PockmarkError"),
-    "Scene": (".scene", "Scene"),
+    "Scene": (".scene.scene", "Scene"),
     "Simulation": (".simulation", "Simulation"),
     "measure": (".measured", "measure_run"),
     "run_scene": (".run", "run_scene"),

@@ -10,9 +10,9 @@ from pydantic import Field, ValidationError
 
 from .base.errors import PockmarkError
 from .base.toml import read_toml, to_toml
-from .materials import Model
-from .scene import Scene
-from .sentences import sentence
+from .scene.materials import Model
+from .scene.scene import Scene
+from .scene.sentences import sentence
 
 FILE = "campaign.toml"
 Changes = Annotated[dict[str, Any], Field(default_factory=dict)]  # "impact.speed": "4 km/s"

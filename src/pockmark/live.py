@@ -10,7 +10,7 @@ from scipy import ndimage
 from .base.geometry import LEAST_LAYERS, Wall
 from .metrology.pieces import largest_piece
 from .metrology.surface import EDGE
-from .scene import Scene
+from .scene.scene import Scene
 from .simulation import Simulation
 from .wall import first_wall
 

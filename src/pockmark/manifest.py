@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from .base.counters import COUNTERS, GONE
 from .base.errors import PockmarkError
 from .base.ledger import LEDGER
-from .sentences import sentence
+from .scene.sentences import sentence
 
 Status = Literal["running", "finished", "interrupted", "failed"]
 Count = Annotated[int, Field(ge=0, lt=2**63)]

@@ -12,12 +12,12 @@ from .metrology import results
 from .metrology.measures import UNWARNED, measures, surface_of, worst_error
 from .metrology.surface import Surface
 from .run import treatments
-from .scene import Scene
+from .scene.scene import Scene
+from .scene.warnings import frame_warnings
 from .setup import setup_of
 from .snapshot import Snapshot
 from .store import RunFolder, finite
 from .view.report import standing
-from .warnings import frame_warnings
 
 
 @UNWARNED

@@ -8,12 +8,12 @@ from typing import Any
 from .base.counters import GONE
 from .base.errors import PockmarkError
 from .provenance import now
-from .scene import Scene
+from .scene.scene import Scene
+from .scene.warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
 from .simulation import Simulation, Task
 from .stop import heard_between_steps
 from .store import RunFolder
 from .tasks import History, ProgressBar, Snapshots
-from .warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
 
 
 def run_scene(

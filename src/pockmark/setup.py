@@ -1,9 +1,9 @@
 """A scene as its measures see it."""
 
 from .base.geometry import Setup
-from .scene import Scene
+from .scene.scene import Scene
+from .scene.warnings import cells_across
 from .wall import first_wall, walls
-from .warnings import cells_across
 
 
 def setup_of(scene: Scene) -> Setup:

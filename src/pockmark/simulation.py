@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from . import _core
 from .base.errors import PockmarkError
 from .points import make_points
-from .scene import Scene
+from .scene.scene import Scene
 
 
 class Task(Protocol):

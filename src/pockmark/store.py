@@ -20,7 +20,7 @@ from .history import Rows, append_row, read_rows
 from .lock import LOCK, Lock, holder
 from .manifest import Measured, parse_manifest, row_as_record, validated
 from .provenance import commit, machine, now
-from .scene import Scene, hash_of
+from .scene.scene import Scene, hash_of
 from .snapshot import Snapshot, write_snapshot
 
 MANIFEST = "manifest.json"

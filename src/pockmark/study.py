@@ -17,10 +17,10 @@ from .base.errors import PockmarkError
 from .base.files import replaced, told
 from .base.terminal import literal
 from .campaign import Case
-from .forecast import forecast
 from .measured import measure_run
 from .run import run_scene
-from .scene import Scene
+from .scene.forecast import forecast
+from .scene.scene import Scene
 from .simulation import thread_count
 from .stop import heard_between_steps
 from .store import RunFolder

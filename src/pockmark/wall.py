@@ -3,8 +3,8 @@
 import numpy as np
 
 from .base.geometry import Wall
-from .bodies import Solid, box_gap
-from .scene import Scene
+from .scene.bodies import Solid, box_gap
+from .scene.scene import Scene
 
 
 def walls(scene: Scene) -> list[tuple[int, ...]]:

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 from pockmark import PockmarkError, Scene
-from pockmark.forecast import _memory_warning, available_memory, forecast
 from pockmark.run import run_scene
-from pockmark.warnings import _particle_speed, cells_across, predicted_depth, settling_time
+from pockmark.scene.forecast import _memory_warning, available_memory, forecast
+from pockmark.scene.warnings import _particle_speed, cells_across, predicted_depth, settling_time
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NORMAL, QUICK = EXAMPLES / "normal-2200.toml", EXAMPLES / "quick.toml"
@@ -92,7 +92,7 @@ def test_speed_beyond_the_laws_is_warned_of(keys, names):
 
 
 def test_every_material_of_the_library_has_a_range():
-    from pockmark.materials import library
+    from pockmark.scene.materials import library
 
     assert all("max_speed" in table for table in library().values())
 

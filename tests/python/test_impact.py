@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene
-from pockmark.impact import Impact
 from pockmark.measured import measure_run
 from pockmark.pictures import plot_run
 from pockmark.run import run_scene
+from pockmark.scene.impact import Impact
 from pockmark.setup import setup_of
 from pockmark.view.plots import slice_axis
 

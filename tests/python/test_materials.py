@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from pockmark import PockmarkError, Scene
-from pockmark.materials import Material, library
+from pockmark.scene.materials import Material, library
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 NAME = "al2024-liu2015"

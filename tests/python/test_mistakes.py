@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation, measure
-from pockmark.forecast import forecast
 from pockmark.run import run_scene
+from pockmark.scene.forecast import forecast
 from pockmark.stop import heard_between_steps
 from pockmark.store import RunFolder, Snapshot
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation
-from pockmark.bodies import Block, Sphere, Swarm, overlap
 from pockmark.points import make_points
+from pockmark.scene.bodies import Block, Sphere, Swarm, overlap
 from pockmark.setup import setup_of
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"

@@ -10,8 +10,8 @@ import pytest
 
 from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.bench import bench_scene
-from pockmark.forecast import forecast
 from pockmark.run import run_scene
+from pockmark.scene.forecast import forecast
 from pockmark.store import RunFolder, Snapshot
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from pockmark.bodies.placement import sphere_diameter
 from pockmark.laws.scaling import energy_flux, fit_depth, group_depth
+from pockmark.scene.bodies.placement import sphere_diameter
 
 MG_CM2 = 1e-2  # kg/m^2
 J_CM2 = 1e4  # J/m^2

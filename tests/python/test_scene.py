@@ -8,9 +8,9 @@ import pytest
 
 from pockmark import PockmarkError, Scene
 from pockmark.base.units import to_si
-from pockmark.bodies import Block, Sphere
-from pockmark.materials import library
 from pockmark.points import make_points
+from pockmark.scene.bodies import Block, Sphere
+from pockmark.scene.materials import library
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 UM = 1e-6

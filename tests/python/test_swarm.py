@@ -9,9 +9,9 @@ import pytest
 
 from pockmark import PockmarkError, Scene
 from pockmark.base.toml import read_toml
-from pockmark.bodies import Swarm
-from pockmark.bodies.placement import TRIES, at_random
 from pockmark.points import make_points
+from pockmark.scene.bodies import Swarm
+from pockmark.scene.bodies.placement import TRIES, at_random
 
 GROUP = Path(__file__).parents[2] / "examples" / "group-4500.toml"
 DENSITY = 2770.0

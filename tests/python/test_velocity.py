@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation
-from pockmark.forecast import forecast
 from pockmark.points import make_points
+from pockmark.scene.forecast import forecast
 from pockmark.setup import setup_of
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"

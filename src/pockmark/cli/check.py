@@ -3,8 +3,8 @@
 from rich.table import Table
 
 from ..base.terminal import literal
-from ..forecast import forecast
-from ..scene import Scene
+from ..scene.forecast import forecast
+from ..scene.scene import Scene
 from ..simulation import thread_count
 from .common import CONSOLE, Overrides, SceneFile, Threads
 

@@ -7,11 +7,11 @@ import typer
 
 from ..base.errors import shown
 from ..base.terminal import literal
-from ..forecast import forecast
 from ..measured import measure_run
 from ..pictures import plot_run
 from ..run import run_scene
-from ..scene import Scene
+from ..scene.forecast import forecast
+from ..scene.scene import Scene
 from ..simulation import thread_count
 from ..stop import heard_between_steps
 from ..view.report import report

@@ -7,8 +7,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..base.geometry import Mirror
-from ..base.units import Length
+from ...base.geometry import Mirror
+from ...base.units import Length
 from .lattice import half_integers
 from .shape import EVERYWHERE, NOISE, Array, Box, Fit, Solid, Vector
 

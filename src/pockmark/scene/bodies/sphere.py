@@ -4,7 +4,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ..base.units import Length
+from ...base.units import Length
 from .balls import Balls
 from .shape import Fit, Vector
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field, field_validator
 
-from .base.units import Angle, Speed
+from ..base.units import Angle, Speed
 from .materials import Model
 
 

@@ -7,7 +7,7 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import model_validator
 
-from ..base.geometry import Mirror
+from ...base.geometry import Mirror
 from .shape import EVERYWHERE, Array, Box, Fit, Solid, Vector, require_size
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, ValidationInfo, field_validator
 
-from ..base.geometry import Mirror
-from ..base.units import Length, Velocity
+from ...base.geometry import Mirror
+from ...base.units import Length, Velocity
 from ..materials import Model
 
 Array = NDArray[np.floating]

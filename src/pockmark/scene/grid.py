@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from .base.units import Length
+from ..base.units import Length
 from .bodies import Vector, require_size
 from .materials import Model
 

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import KDTree
 
-from ..base.geometry import Mirror
+from ...base.geometry import Mirror
 from .lattice import ball_axes, count_within, whole_ball
 from .shape import EVERYWHERE, NOISE, Array, Box, Fit, Solid, Vector
 

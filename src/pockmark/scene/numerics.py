@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from .base.units import Number, Time
+from ..base.units import Number, Time
 from .materials import Model
 
 

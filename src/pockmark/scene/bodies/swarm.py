@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ..base.units import ArealDensity, Length
+from ...base.units import ArealDensity, Length
 from .balls import Balls
 from .placement import MAX_BALLS, at_random, on_lattice, require_few, sphere_diameter
 from .shape import Fit, Vector, require_size

@@ -4,7 +4,7 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
-from .base.errors import PockmarkError
+from ..base.errors import PockmarkError
 from .materials import merge
 
 MAX_DEPTH = 20  # keys in a row; a scene has 5

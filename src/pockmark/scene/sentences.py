@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from .base.errors import found, together
+from ..base.errors import found, together
 from .materials import Model
 
 Location = tuple[int | str, ...]

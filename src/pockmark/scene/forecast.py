@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from . import _core
+from .. import _core
 from .scene import Scene
 from .warnings import cells_across, warnings
 

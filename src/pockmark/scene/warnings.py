@@ -4,11 +4,11 @@ import math
 
 from scipy.optimize import brentq
 
-from .base.errors import shown
-from .base.geometry import ENOUGH_CELLS_ACROSS
+from ..base.errors import shown
+from ..base.geometry import ENOUGH_CELLS_ACROSS
+from ..laws.equations import volume_energy
 from .bodies import Solid
 from .grid import FACES
-from .laws.equations import volume_energy
 from .materials import JohnsonCook, Material, MieGruneisen
 from .scene import Scene
 

@@ -10,10 +10,10 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from .base.errors import PockmarkError, found, together
-from .base.geometry import Mirror
-from .base.toml import read_toml, to_toml
-from .base.units import quantity
+from ..base.errors import PockmarkError, found, together
+from ..base.geometry import Mirror
+from ..base.toml import read_toml, to_toml
+from ..base.units import quantity
 from .bodies import Body, Solid, overlap
 from .grid import FACES, MAX_NODES, Boundary, Grid
 from .impact import Impact

@@ -9,9 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
 
-from . import _core
-from .base.errors import PockmarkError, found
-from .base.units import quantity
+from .. import _core
+from ..base.errors import PockmarkError, found
+from ..base.units import quantity
 
 
 class Model(BaseModel):
@@ -235,7 +235,7 @@ class Material(Model):
 @cache
 def library() -> dict[str, dict[str, Any]]:
     """Return the tables of materials.toml, by name."""
-    return tomllib.loads(files("pockmark").joinpath("materials.toml").read_text(encoding="utf-8"))
+    return tomllib.loads(files("pockmark.scene").joinpath("materials.toml").read_text(encoding="utf-8"))
 
 
 def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
