@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from pockmark.base.units import to_si
-from pockmark.pictures import plot_process
+from pockmark.run.pictures import plot_process
 
 
 class Row:

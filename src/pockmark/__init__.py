@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .base.errors import PockmarkError
-    from .measured import measure_run as measure
-    from .run import run_scene
+    from .run.measured import measure_run as measure
+    from .run.pipeline import run_scene
+    from .run.simulation import Simulation
     from .scene.scene import Scene
-    from .simulation import Simulation
 
 __version__ = version("pockmark")
 # How many entries CHANGELOG.md has under "Physics": a run of another number may have other figures.
@@ -20,9 +20,9 @@ __all__ = ["PHYSICS", "PockmarkError", "Scene", "Simulation", "__version__", "me
 _HOMES = {
     "PockmarkError": (".base.errors", "PockmarkError"),
     "Scene": (".scene.scene", "Scene"),
-    "Simulation": (".simulation", "Simulation"),
-    "measure": (".measured", "measure_run"),
-    "run_scene": (".run", "run_scene"),
+    "Simulation": (".run.simulation", "Simulation"),
+    "measure": (".run.measured", "measure_run"),
+    "run_scene": (".run.pipeline", "run_scene"),
 }
 
 

@@ -17,13 +17,13 @@ from .base.errors import PockmarkError
 from .base.files import replaced, told
 from .base.terminal import literal
 from .campaign import Case
-from .measured import measure_run
-from .run import run_scene
+from .run.measured import measure_run
+from .run.pipeline import run_scene
+from .run.simulation import thread_count
+from .run.stop import heard_between_steps
+from .run.store import RunFolder
 from .scene.forecast import forecast
 from .scene.scene import Scene
-from .simulation import thread_count
-from .stop import heard_between_steps
-from .store import RunFolder
 from .workers import run_apart
 
 

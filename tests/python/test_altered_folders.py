@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, measure
-from pockmark.measured import standing_of, surface_of_run
-from pockmark.pictures import plot_process, plot_run
-from pockmark.run import run_scene
-from pockmark.store import RunFolder, Snapshot
+from pockmark.run.measured import standing_of, surface_of_run
+from pockmark.run.pictures import plot_process, plot_run
+from pockmark.run.pipeline import run_scene
+from pockmark.run.store import RunFolder, Snapshot
 from pockmark.study import is_done
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"

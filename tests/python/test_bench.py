@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import pockmark._core as core
-from pockmark.bench import bench_scene
-from pockmark.simulation import Simulation
+from pockmark.run.bench import bench_scene
+from pockmark.run.simulation import Simulation
 
 
 def test_bench_prints_figures_that_hang_together():

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation
+from pockmark.run.setup import setup_of
 from pockmark.scene.bodies import Block, Cylinder, Sphere, Swarm, overlap
 from pockmark.scene.forecast import forecast
 from pockmark.scene.warnings import cells_across
-from pockmark.setup import setup_of
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 UM = 1e-6

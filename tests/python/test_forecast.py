@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from pockmark import PockmarkError, Scene
-from pockmark.run import run_scene
+from pockmark.run.pipeline import run_scene
 from pockmark.scene.forecast import _memory_warning, available_memory, forecast
 from pockmark.scene.warnings import _particle_speed, cells_across, predicted_depth, settling_time
 

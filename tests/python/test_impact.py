@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene
-from pockmark.measured import measure_run
-from pockmark.pictures import plot_run
-from pockmark.run import run_scene
+from pockmark.run.measured import measure_run
+from pockmark.run.pictures import plot_run
+from pockmark.run.pipeline import run_scene
+from pockmark.run.setup import setup_of
 from pockmark.scene.impact import Impact
-from pockmark.setup import setup_of
 from pockmark.view.plots import slice_axis
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from pockmark import Scene, Simulation, measure, run_scene
-from pockmark.live import live_depth
-from pockmark.store import RunFolder
-from pockmark.tasks import ProgressBar
+from pockmark.run.live import live_depth
+from pockmark.run.store import RunFolder
+from pockmark.run.tasks import ProgressBar
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 LONG = ["grid.upper=['100 um','50 um','30 um']", "body.target.upper=['100 um','50 um','0 um']"]

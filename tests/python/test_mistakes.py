@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation, measure
-from pockmark.run import run_scene
+from pockmark.run.pipeline import run_scene
+from pockmark.run.stop import heard_between_steps
+from pockmark.run.store import RunFolder, Snapshot
 from pockmark.scene.forecast import forecast
-from pockmark.stop import heard_between_steps
-from pockmark.store import RunFolder, Snapshot
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 ALUMINIUM = "materials.al2024-liu2015"
@@ -247,7 +247,7 @@ def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
 
 PRESSES_CTRL_C_ALL_THE_WAY = """
 import os, signal
-from pockmark import simulation
+from pockmark.run import simulation
 from pockmark.cli import run as cli
 from pockmark.__main__ import main
 def pressing(name):
@@ -281,7 +281,7 @@ def test_ctrl_c_while_an_interrupted_run_is_measured_and_drawn_loses_nothing(tmp
 
 PRESSES_CTRL_C_WHILE_THE_POINTS_ARE_LAID = """
 import os, signal
-from pockmark import run
+from pockmark.run import pipeline as run
 from pockmark.__main__ import main
 made = run.Simulation
 def press(*args):

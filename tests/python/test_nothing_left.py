@@ -14,11 +14,11 @@ from pockmark.base.ledger import LEDGER as KEYS
 from pockmark.cli import main
 from pockmark.metrology.measures import measures
 from pockmark.metrology.results import crater_of, depth_change, field_of
-from pockmark.pictures import plot_run
-from pockmark.points import make_points
-from pockmark.run import run_scene
-from pockmark.setup import setup_of
-from pockmark.store import RunFolder, finite, to_json
+from pockmark.run.pictures import plot_run
+from pockmark.run.pipeline import run_scene
+from pockmark.run.points import make_points
+from pockmark.run.setup import setup_of
+from pockmark.run.store import RunFolder, finite, to_json
 from pockmark.view.plots import HISTORY_COLUMNS, history_figure, slice_figure
 from pockmark.view.report import report
 

@@ -11,9 +11,9 @@ from pockmark.metrology.hole import measure_hole
 from pockmark.metrology.morphology import measure_group
 from pockmark.metrology.results import group_table, hole_table
 from pockmark.metrology.surface import target_field
-from pockmark.pictures import plot_run
-from pockmark.run import run_scene
-from pockmark.wall import first_wall, walls
+from pockmark.run.pictures import plot_run
+from pockmark.run.pipeline import run_scene
+from pockmark.run.wall import first_wall, walls
 
 UM = 1e-6
 H = 2.0  # point spacing, um

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation
-from pockmark.points import make_points
+from pockmark.run.points import make_points
+from pockmark.run.setup import setup_of
 from pockmark.scene.bodies import Block, Sphere, Swarm, overlap
-from pockmark.setup import setup_of
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 UM = 1e-6

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError, Scene, Simulation, measure
-from pockmark.bench import bench_scene
-from pockmark.run import run_scene
+from pockmark.run.bench import bench_scene
+from pockmark.run.pipeline import run_scene
+from pockmark.run.store import RunFolder, Snapshot
 from pockmark.scene.forecast import forecast
-from pockmark.store import RunFolder, Snapshot
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 QUICK = EXAMPLES / "quick.toml"

@@ -8,7 +8,7 @@ import pytest
 
 from pockmark import PockmarkError, Scene
 from pockmark.base.units import to_si
-from pockmark.points import make_points
+from pockmark.run.points import make_points
 from pockmark.scene.bodies import Block, Sphere
 from pockmark.scene.materials import library
 

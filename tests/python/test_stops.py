@@ -17,10 +17,10 @@ from rich.console import Console
 
 from pockmark import PockmarkError, Scene, measure
 from pockmark.campaign import cases, load
-from pockmark.measured import standing_of
-from pockmark.pictures import plot_run
-from pockmark.run import run_scene
-from pockmark.store import RunFolder
+from pockmark.run.measured import standing_of
+from pockmark.run.pictures import plot_run
+from pockmark.run.pipeline import run_scene
+from pockmark.run.store import RunFolder
 from pockmark.study import place, run_study
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"

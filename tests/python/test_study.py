@@ -12,7 +12,7 @@ from rich.console import Console
 
 from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.campaign import cases, load
-from pockmark.run import run_scene
+from pockmark.run.pipeline import run_scene
 from pockmark.study import is_done, place, run_study, summary, write_results
 
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ import pytest
 
 from pockmark import PockmarkError, Scene
 from pockmark.base.toml import read_toml
-from pockmark.points import make_points
+from pockmark.run.points import make_points
 from pockmark.scene.bodies import Swarm
 from pockmark.scene.bodies.placement import TRIES, at_random
 

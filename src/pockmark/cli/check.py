@@ -3,9 +3,9 @@
 from rich.table import Table
 
 from ..base.terminal import literal
+from ..run.simulation import thread_count
 from ..scene.forecast import forecast
 from ..scene.scene import Scene
-from ..simulation import thread_count
 from .common import CONSOLE, Overrides, SceneFile, Threads
 
 

@@ -7,8 +7,8 @@ import typer
 
 from ..base.errors import shown
 from ..base.terminal import literal
-from ..measured import standing_of
-from ..pictures import plot_run
+from ..run.measured import standing_of
+from ..run.pictures import plot_run
 from .common import CONSOLE, MAX_PATH, RunDir
 
 

@@ -7,13 +7,13 @@ import typer
 
 from ..base.errors import shown
 from ..base.terminal import literal
-from ..measured import measure_run
-from ..pictures import plot_run
-from ..run import run_scene
+from ..run.measured import measure_run
+from ..run.pictures import plot_run
+from ..run.pipeline import run_scene
+from ..run.simulation import thread_count
+from ..run.stop import heard_between_steps
 from ..scene.forecast import forecast
 from ..scene.scene import Scene
-from ..simulation import thread_count
-from ..stop import heard_between_steps
 from ..view.report import report
 from .common import CONSOLE, MAX_PATH, Overrides, SceneFile, Threads
 

@@ -7,8 +7,8 @@ import re
 import time
 from pathlib import Path
 
-from .base.errors import PockmarkError
-from .base.files import open_regular, told
+from ..base.errors import PockmarkError
+from ..base.files import open_regular, told
 
 LOCK = "run.lock"
 TRIES, PAUSE = 10, 0.05  # s: who only looks whether a lock is held holds it for a moment

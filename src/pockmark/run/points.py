@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .scene.scene import Scene
+from ..scene.scene import Scene
 
 Array = NDArray[np.float64]
 PIECE = 2**18  # points: what is made of them here comes on top of what the core keeps

@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from . import _core
+from .. import _core
 
 
 def machine() -> dict[str, Any]:
@@ -32,7 +32,7 @@ def machine() -> dict[str, Any]:
 def commit() -> str | None:
     """Return the git commit of the pockmark tree around this file ("-dirty" if its code changed since), or None."""
     # A virtual environment inside somebody's own repository must not give that repository's commit.
-    if _git("ls-files", "--error-unmatch", ":/src/pockmark/provenance.py") is None:
+    if _git("ls-files", "--error-unmatch", ":/src/pockmark/run/provenance.py") is None:
         return None
     head = _git("rev-parse", "HEAD")
     changed = _git("status", "--porcelain", "--", ":/src", ":/core", ":/CMakeLists.txt")

@@ -4,16 +4,16 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from .base.errors import PockmarkError
-from .base.files import replaced, told
+from ..base.errors import PockmarkError
+from ..base.files import replaced, told
+from ..metrology import results
+from ..metrology.hole import measure_hole
+from ..metrology.measures import UNWARNED
+from ..view.plots import HISTORY_COLUMNS, history_figure, process_figure, slice_figure
 from .measured import in_the_grid, surface_in
-from .metrology import results
-from .metrology.hole import measure_hole
-from .metrology.measures import UNWARNED
 from .setup import setup_of
 from .snapshot import Snapshot
 from .store import UNENDED, RunFolder
-from .view.plots import HISTORY_COLUMNS, history_figure, process_figure, slice_figure
 
 
 @UNWARNED

@@ -12,8 +12,8 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
-from .base.errors import PockmarkError
-from .base.files import open_regular, told
+from ..base.errors import PockmarkError
+from ..base.files import open_regular, told
 
 LARGEST = 2**30  # bytes; a million rows, the most that a scene may ask for, have less
 LONGEST_LINE = 2**16

@@ -16,10 +16,10 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
-from .base.errors import PockmarkError
-from .base.files import open_regular, reason, replaced
-from .metrology.stress import effective_stress
+from .. import _core
+from ..base.errors import PockmarkError
+from ..base.files import open_regular, reason, replaced
+from ..metrology.stress import effective_stress
 
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
 # What measures and pictures are made of: a snapshot without one of them is none.

@@ -7,10 +7,10 @@ from typing import Annotated, Any, Literal, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from .base.counters import COUNTERS, GONE
-from .base.errors import PockmarkError
-from .base.ledger import LEDGER
-from .scene.sentences import sentence
+from ..base.counters import COUNTERS, GONE
+from ..base.errors import PockmarkError
+from ..base.ledger import LEDGER
+from ..scene.sentences import sentence
 
 Status = Literal["running", "finished", "interrupted", "failed"]
 Count = Annotated[int, Field(ge=0, lt=2**63)]

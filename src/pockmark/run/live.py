@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from .base.geometry import LEAST_LAYERS, Wall
-from .metrology.pieces import largest_piece
-from .metrology.surface import EDGE
-from .scene.scene import Scene
+from ..base.geometry import LEAST_LAYERS, Wall
+from ..metrology.pieces import largest_piece
+from ..metrology.surface import EDGE
+from ..scene.scene import Scene
 from .simulation import Simulation
 from .wall import first_wall
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from .base.counters import DOUBTFUL
+from ..base.counters import DOUBTFUL
 from .simulation import Simulation
 
 LEDGER_LIMIT = 0.01  # of the initial energy

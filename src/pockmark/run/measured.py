@@ -5,19 +5,19 @@ from typing import Any
 
 import numpy as np
 
-from .base.errors import PockmarkError
-from .base.geometry import Setup
+from ..base.errors import PockmarkError
+from ..base.geometry import Setup
+from ..metrology import results
+from ..metrology.measures import UNWARNED, measures, surface_of, worst_error
+from ..metrology.surface import Surface
+from ..scene.scene import Scene
+from ..scene.warnings import frame_warnings
+from ..view.report import standing
 from .doubts import doubts
-from .metrology import results
-from .metrology.measures import UNWARNED, measures, surface_of, worst_error
-from .metrology.surface import Surface
-from .run import treatments
-from .scene.scene import Scene
-from .scene.warnings import frame_warnings
+from .pipeline import treatments
 from .setup import setup_of
 from .snapshot import Snapshot
 from .store import RunFolder, finite
-from .view.report import standing
 
 
 @UNWARNED

@@ -5,11 +5,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from .base.counters import GONE
-from .base.errors import PockmarkError
+from ..base.counters import GONE
+from ..base.errors import PockmarkError
+from ..scene.scene import Scene
+from ..scene.warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
 from .provenance import now
-from .scene.scene import Scene
-from .scene.warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
 from .simulation import Simulation, Task
 from .stop import heard_between_steps
 from .store import RunFolder

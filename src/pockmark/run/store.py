@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import PHYSICS, __version__
-from .base.errors import PockmarkError
-from .base.files import read_text, told, write_text
-from .base.toml import parse_toml
+from .. import PHYSICS, __version__
+from ..base.errors import PockmarkError
+from ..base.files import read_text, told, write_text
+from ..base.toml import parse_toml
+from ..scene.scene import Scene, hash_of
 from .history import Rows, append_row, read_rows
 from .lock import LOCK, Lock, holder
 from .manifest import Measured, parse_manifest, row_as_record, validated
 from .provenance import commit, machine, now
-from .scene.scene import Scene, hash_of
 from .snapshot import Snapshot, write_snapshot
 
 MANIFEST = "manifest.json"

@@ -4,7 +4,7 @@ import time
 
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
-from .base.ledger import LEDGER
+from ..base.ledger import LEDGER
 from .doubts import Doubts
 from .live import live_depth
 from .simulation import LiveFields, Simulation

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from .base.geometry import Wall
-from .scene.bodies import Solid, box_gap
-from .scene.scene import Scene
+from ..base.geometry import Wall
+from ..scene.bodies import Solid, box_gap
+from ..scene.scene import Scene
 
 
 def walls(scene: Scene) -> list[tuple[int, ...]]:

@@ -9,10 +9,10 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _core
-from .base.errors import PockmarkError
+from .. import _core
+from ..base.errors import PockmarkError
+from ..scene.scene import Scene
 from .points import make_points
-from .scene.scene import Scene
 
 
 class Task(Protocol):

@@ -1,8 +1,8 @@
 """A scene as its measures see it."""
 
-from .base.geometry import Setup
-from .scene.scene import Scene
-from .scene.warnings import cells_across
+from ..base.geometry import Setup
+from ..scene.scene import Scene
+from ..scene.warnings import cells_across
 from .wall import first_wall, walls
 
 

@@ -2,8 +2,8 @@
 
 from typing import Any, NamedTuple
 
-from . import _core
-from .scene.scene import Scene
+from .. import _core
+from ..scene.scene import Scene
 from .simulation import Simulation
 
 WARM_UP, END = 5e-9, 15e-9  # s: the window that is measured, during the impact
