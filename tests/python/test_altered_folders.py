@@ -18,7 +18,7 @@ from pockmark.run.measured import standing_of, surface_of_run
 from pockmark.run.pictures import plot_process, plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.store import RunFolder, Snapshot
-from pockmark.study import is_done
+from pockmark.study.runner import is_done
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 LAST = "snapshot-0002.vtkhdf"

@@ -16,12 +16,12 @@ import pytest
 from rich.console import Console
 
 from pockmark import PockmarkError, Scene, measure
-from pockmark.campaign import cases, load
 from pockmark.run.measured import standing_of
 from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.store import RunFolder
-from pockmark.study import place, run_study
+from pockmark.study.campaign import cases, load
+from pockmark.study.runner import place, run_study
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 SMALL = ["grid.cell='10 um'", "body.target.spacing='5 um'", "body.projectile.spacing='2.5 um'"]

@@ -11,9 +11,9 @@ import pytest
 from rich.console import Console
 
 from pockmark import PHYSICS, PockmarkError, __version__
-from pockmark.campaign import cases, load
 from pockmark.run.pipeline import run_scene
-from pockmark.study import is_done, place, run_study, summary, write_results
+from pockmark.study.campaign import cases, load
+from pockmark.study.runner import is_done, place, run_study, summary, write_results
 
 ROOT = Path(__file__).parents[2]
 TEXT = """

@@ -14,8 +14,8 @@ from pockmark import PockmarkError, Scene
 from pockmark.base.errors import found, shown, together
 from pockmark.base.geometry import Setup
 from pockmark.base.terminal import literal, make_console
-from pockmark.campaign import Case
-from pockmark.study import Outcome, run_study, summary
+from pockmark.study.campaign import Case
+from pockmark.study.runner import Outcome, run_study, summary
 from pockmark.view.plots import slice_figure
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"

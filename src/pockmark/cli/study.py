@@ -7,8 +7,8 @@ import typer
 
 from ..base.errors import shown
 from ..base.terminal import literal
-from ..campaign import FILE, cases, load
-from ..study import make_report, run_study, summary, write_results
+from ..study.campaign import FILE, cases, load
+from ..study.runner import make_report, run_study, summary, write_results
 from .common import CONSOLE, MAX_PATH
 
 

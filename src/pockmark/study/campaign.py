@@ -8,11 +8,11 @@ from typing import Annotated, Any
 
 from pydantic import Field, ValidationError
 
-from .base.errors import PockmarkError
-from .base.toml import read_toml, to_toml
-from .scene.materials import Model
-from .scene.scene import Scene
-from .scene.sentences import sentence
+from ..base.errors import PockmarkError
+from ..base.toml import read_toml, to_toml
+from ..scene.materials import Model
+from ..scene.scene import Scene
+from ..scene.sentences import sentence
 
 FILE = "campaign.toml"
 Changes = Annotated[dict[str, Any], Field(default_factory=dict)]  # "impact.speed": "4 km/s"

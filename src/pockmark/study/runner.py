@@ -12,18 +12,18 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 
-from . import PHYSICS, __version__
-from .base.errors import PockmarkError
-from .base.files import replaced, told
-from .base.terminal import literal
+from .. import PHYSICS, __version__
+from ..base.errors import PockmarkError
+from ..base.files import replaced, told
+from ..base.terminal import literal
+from ..run.measured import measure_run
+from ..run.pipeline import run_scene
+from ..run.simulation import thread_count
+from ..run.stop import heard_between_steps
+from ..run.store import RunFolder
+from ..scene.forecast import forecast
+from ..scene.scene import Scene
 from .campaign import Case
-from .run.measured import measure_run
-from .run.pipeline import run_scene
-from .run.simulation import thread_count
-from .run.stop import heard_between_steps
-from .run.store import RunFolder
-from .scene.forecast import forecast
-from .scene.scene import Scene
 from .workers import run_apart
 
 
