@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Moments:
-    """Of an area: its size, centre of gravity (2,), and covariance (2, 2) of the places in it."""
+    """Moments of an area: its size, its centre of gravity (2,), and the covariance (2, 2) of the places in it."""
 
     area: float
     centre: Array

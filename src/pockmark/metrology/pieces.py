@@ -67,7 +67,11 @@ def attached(
 def _reached_by_cube(
     place: NDArray[np.bool_], choose: Callable[[NDArray[np.bool_]], NDArray[np.bool_]]
 ) -> NDArray[np.bool_]:
-    """Return of a place what the cube covers, and one node more, while its centre stays in what is chosen of where it fits."""
+    """Return the part of a place that a cube reaches.
+
+    The cube fits into the place at some nodes; `choose` takes those where it may be. It reaches what it covers there, and
+    one node more.
+    """
     cube = np.ones((3, 3, 3))
     centres = choose(ndimage.binary_erosion(place, cube, border_value=1))
     return np.asarray(ndimage.binary_dilation(centres, cube, iterations=2) & place)

@@ -1,6 +1,6 @@
 """A run from scene to measured folder."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -39,40 +39,46 @@ def run_scene(
         simulation = Simulation(scene, threads)
         stop_if_asked()  # before `force` replaces a run
         folder = RunFolder.create(path, scene, force=force)
-        began = folder.manifest()
-        history = History(folder, scene.output.history)
-        tasks: list[Task] = [history, Snapshots(folder, scene.output.snapshots)]
-        status = "failed"
-        bar = ProgressBar(simulation) if progress else None
-
-        def watch(simulation: Simulation) -> None:
-            if bar:
-                bar.watch(simulation)
-            stop_if_asked()
-
-        try:
-            simulation.run(tasks, watch=watch)
-            status = "finished"
-        except KeyboardInterrupt:
-            status = "interrupted"
-            _write_last(tasks, simulation)
-        except Exception as error:
-            with suppress(PockmarkError, MemoryError):  # what stopped the run may stop this too
-                _write_last(tasks, simulation)
-            if isinstance(error, RuntimeError):
-                when = f"the run stopped at {simulation.time:.4g} s"
-                raise PockmarkError(f"{path}: {when}: {error}") from None
-            raise
-        finally:
-            try:
-                folder.write_manifest(
-                    began | _end(simulation, status) | {"doubts": history.doubts.sentences()}
-                )
-            finally:
-                folder.release()
-            if bar:
-                bar.close()
+        status = _run_into(folder, simulation, stop_if_asked, progress=progress)
     return folder, status == "finished"
+
+
+def _run_into(
+    folder: RunFolder, simulation: Simulation, stop_if_asked: Callable[[], None], *, progress: bool
+) -> str:
+    """Step a simulation to its end, write what happens into its folder, and return how it ended: finished or interrupted."""
+    began, scene = folder.manifest(), simulation.scene
+    history = History(folder, scene.output.history)
+    tasks: list[Task] = [history, Snapshots(folder, scene.output.snapshots)]
+    status = "failed"
+    bar = ProgressBar(simulation) if progress else None
+
+    def watch(simulation: Simulation) -> None:
+        if bar:
+            bar.watch(simulation)
+        stop_if_asked()
+
+    try:
+        simulation.run(tasks, watch=watch)
+        status = "finished"
+    except KeyboardInterrupt:
+        status = "interrupted"
+        _write_last(tasks, simulation)
+    except Exception as error:
+        with suppress(PockmarkError, MemoryError):  # what stopped the run may stop this too
+            _write_last(tasks, simulation)
+        if isinstance(error, RuntimeError):
+            when = f"the run stopped at {simulation.time:.4g} s"
+            raise PockmarkError(f"{folder.path}: {when}: {error}") from None
+        raise
+    finally:
+        try:
+            folder.write_manifest(began | _end(simulation, status) | {"doubts": history.doubts.sentences()})
+        finally:
+            folder.release()
+        if bar:
+            bar.close()
+    return status
 
 
 def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:

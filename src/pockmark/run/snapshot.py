@@ -24,6 +24,7 @@ from ..metrology.stress import effective_stress
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
 # What measures and pictures are made of: a snapshot without one of them is none.
 NEEDED = ("position", "velocity", "mass", "volume", "deviator", "pressure", "body", "time")
+DERIVED = {"deviator": ("effective_stress", effective_stress)}  # written beside a field, what follows from it
 VERSION = "v108"  # of HDF5's format: the first with check sums of its own tables
 SUM = "crc32"
 
@@ -124,8 +125,9 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
             continue
         values = fields[name]  # asked for once: the fields of a simulation are copies
         _put(data, name, values)
-        if name == "deviator":
-            _put(data, "effective_stress", effective_stress(values))
+        if name in DERIVED:
+            derived, compute = DERIVED[name]
+            _put(data, derived, compute(values))
     extra = root.create_group("FieldData")
     _put(extra, "time", np.array([time_s]))
     _put(extra, "step", np.array([step], dtype=np.int64))

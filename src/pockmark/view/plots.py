@@ -60,7 +60,7 @@ class Cut:
 
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Of axes that show it."""
+        """Limits of axes that show it."""
         return _limits(self.x, self.z, self.z[~self.is_projectile])
 
     def draw(self, axes: Axes, colour: NDArray[Any]) -> None:

@@ -60,7 +60,7 @@ class Balls(Solid):
 
     @property
     def written_volume(self) -> float:
-        """m^3, of balls of the radius as it is written."""
+        """Volume of balls of the radius as it is written, m^3."""
         return len(self.places) * 4 / 3 * math.pi * self.written_radius**3
 
     @property
@@ -70,12 +70,12 @@ class Balls(Solid):
 
     @property
     def diameter(self) -> float:
-        """Of a ball, m."""
+        """Diameter of a ball, m."""
         return 2 * self.fit.length
 
     @property
     def ball_diameter(self) -> float:
-        """Of a ball, m."""
+        """Diameter of a ball, m."""
         return self.diameter
 
     @property

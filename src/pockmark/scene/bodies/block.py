@@ -51,7 +51,7 @@ class Block(Solid):
 
     @property
     def written_volume(self) -> float:
-        """m^3, between the corners as they are written."""
+        """Volume between the corners as they are written, m^3."""
         return math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))
 
     @property

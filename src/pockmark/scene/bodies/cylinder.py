@@ -83,7 +83,7 @@ class Cylinder(Solid):
 
     @property
     def written_volume(self) -> float:
-        """m^3, of the size as it is written."""
+        """Volume of the size as it is written, m^3."""
         return math.pi * (self.radius**2 - self.inner_radius**2) * self.length
 
     @property

@@ -38,7 +38,7 @@ class Sphere(Balls):
 
     @property
     def written_radius(self) -> float:
-        """m, as it is written."""
+        """Its radius as it is written, m."""
         return self.radius
 
     def is_halved_by(self, axis: int, at: float, tolerance: float) -> bool:

@@ -76,7 +76,7 @@ class Swarm(Balls):
 
     @cached_property
     def centers(self) -> tuple[Vector, ...]:
-        """Of the balls, m. Raises ValueError if they do not fit into the patch."""
+        """Centres of the balls, m. Raises ValueError if they do not fit into the patch."""
         radius = max(self.radius or 0.0, self.fit.length)  # clear of each other as written and as filled
         if self.pitch is None:
             places = at_random(self.lower, self.upper, radius, self.number or 0, self.seed or 0)
@@ -99,7 +99,7 @@ class Swarm(Balls):
 
     @property
     def written_radius(self) -> float:
-        """m, as it is written, or follows from the flux."""
+        """Radius of a ball as it is written, or as it follows from the flux, m."""
         return self.radius or 0.0
 
     @property
