@@ -22,9 +22,9 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "studies"))
 from reporting import write_rows
 
 from pockmark import Scene, Simulation, __version__
-from pockmark.bench import bench, bench_scene
-from pockmark.forecast import forecast
-from pockmark.store import commit
+from pockmark.run.bench import bench, bench_scene
+from pockmark.run.provenance import commit
+from pockmark.scene.forecast import forecast
 
 HERE = Path(__file__).parent
 QUADRATIC = ["--set", "numerics.shape_functions=quadratic"]

@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
-from pockmark.run import plot_process
-from pockmark.units import to_si
+from pockmark.base.units import to_si
+from pockmark.run.pictures import plot_process
 
 
 class Row:

@@ -5,11 +5,11 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .errors import PockmarkError
-    from .run import measure_run as measure
-    from .run import run_scene
-    from .scene import Scene
-    from .simulation import Simulation
+    from .base.errors import PockmarkError
+    from .run.measured import measure_run as measure
+    from .run.pipeline import run_scene
+    from .run.simulation import Simulation
+    from .scene.scene import Scene
 
 __version__ = version("pockmark")
 # How many entries CHANGELOG.md has under "Physics": a run of another number may have other figures.
@@ -18,11 +18,11 @@ PHYSICS = 26
 __all__ = ["PHYSICS", "PockmarkError", "Scene", "Simulation", "__version__", "measure", "run_scene"]
 
 _HOMES = {
-    "PockmarkError": (".errors", "PockmarkError"),
-    "Scene": (".scene", "Scene"),
-    "Simulation": (".simulation", "Simulation"),
-    "measure": (".run", "measure_run"),
-    "run_scene": (".run", "run_scene"),
+    "PockmarkError": (".base.errors", "PockmarkError"),
+    "Scene": (".scene.scene", "Scene"),
+    "Simulation": (".run.simulation", "Simulation"),
+    "measure": (".run.measured", "measure_run"),
+    "run_scene": (".run.pipeline", "run_scene"),
 }
 
 

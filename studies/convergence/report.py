@@ -13,7 +13,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from reporting import made_by, write_rows
 from ringing import ringing
 
-from pockmark.store import RunFolder
+from pockmark.run.store import RunFolder
 
 Cells = Mapping[str, str]
 # E_i^r and C_p (um) of the paper's models 1, 2, ...

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pockmark.store import RunFolder
+from pockmark.run.store import RunFolder
 
 
 def ringing(folder: RunFolder) -> list[dict[str, object]]:

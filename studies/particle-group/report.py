@@ -24,8 +24,8 @@ from reporting import (
 )
 from slices import keep_slices, mode_pages
 
-from pockmark.bodies.placement import sphere_diameter
-from pockmark.scaling import Fit, energy_flux, fit_depth
+from pockmark.laws.scaling import Fit, energy_flux, fit_depth
+from pockmark.scene.bodies.placement import sphere_diameter
 
 DENSITY, STRENGTH = 2770.0, 265e6
 J_CM2 = 1e4  # J/m^2

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from reporting import Row, write_rows
 from skimage.measure import approximate_polygon
 
-from pockmark.run import surface_of_run
-from pockmark.surface import Surface
+from pockmark.metrology.surface import Surface
+from pockmark.run.measured import surface_of_run
 
 Lines = list[NDArray[np.float64]]  # um
 PLANE = 12.5e-6  # m: the row and the column of craters nearest to the middle

@@ -9,11 +9,11 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from pockmark.modes import ROMAN
-from pockmark.morphology import group_of
-from pockmark.run import surface_of_run
-from pockmark.setup import setup_of
-from pockmark.store import RunFolder
+from pockmark.metrology.modes import ROMAN
+from pockmark.metrology.morphology import group_of
+from pockmark.run.measured import surface_of_run
+from pockmark.run.setup import setup_of
+from pockmark.run.store import RunFolder
 
 
 def main() -> None:

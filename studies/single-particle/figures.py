@@ -13,7 +13,7 @@ from profiles import profile_figure
 from reporting import Row, figure, keep_statements, process_figures, read_results, write_table
 from trends import equation_22, statements
 
-from pockmark.equations import cour_palais, herrmann_jones, summers_charters
+from pockmark.laws.equations import cour_palais, herrmann_jones, summers_charters
 
 EQUATIONS = {
     "Eq. 22": equation_22,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from reporting import Row, figure, write_table
 
-from pockmark.run import surface_of_run
+from pockmark.run.measured import surface_of_run
 
 
 def profile_figure(rows: Sequence[Row], runs: Path, out: Path) -> None:

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from reporting import Row, Statement
 
-from pockmark.equations import volume_energy
+from pockmark.laws.equations import volume_energy
 
 CELL = 2e-6  # m, of model 3
 ABOUT = 0.1

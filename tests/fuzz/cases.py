@@ -12,10 +12,12 @@ from judge import Verdict, absurd, answer, command, faults_of_command, faults_of
 from physics import impossible_history, impossible_points, impossible_result
 
 from pockmark import Scene, campaign
-from pockmark.forecast import forecast
-from pockmark.report import report
-from pockmark.run import measure_run, plot_run, run_scene
-from pockmark.store import RunFolder, Snapshot, to_json
+from pockmark.run.measured import measure_run
+from pockmark.run.pictures import plot_run
+from pockmark.run.pipeline import run_scene
+from pockmark.run.store import RunFolder, Snapshot, to_json
+from pockmark.scene.forecast import forecast
+from pockmark.view.report import report
 
 COMMANDS = 3  # one case in so many goes through the command line too
 PICTURES = 2  # one in so many is drawn, which takes the longest

@@ -4,7 +4,7 @@ import math
 import random
 from typing import Any
 
-from pockmark.materials import library
+from pockmark.scene.materials import library
 
 Table = dict[str, Any]
 POINT_STEPS = 1e7  # the most of a run

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pockmark import Scene
-from pockmark.materials import Material, MieGruneisen
+from pockmark.scene.materials import Material, MieGruneisen
 
 Fields = Mapping[str, NDArray[Any]]
 LEDGER = 0.01  # of the initial energy

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from judge import faults_of_sentence
 
-from pockmark.units import to_si
+from pockmark.base.units import to_si
 
 # A text's unit, the SI unit asked for, and what one of it is.
 UNITS = [

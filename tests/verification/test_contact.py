@@ -17,8 +17,8 @@ from builders import (
 )
 from builders import solver as build
 
-from pockmark.bench import bench_scene
-from pockmark.simulation import Simulation
+from pockmark.run.bench import bench_scene
+from pockmark.run.simulation import Simulation
 
 G, TILT = 2e-4, np.radians(30)  # in cells and the bar speed: the slab sinks in by a thousandth of a cell
 LOADING = 60.0  # time in which gravity grows, so that the load does not bounce

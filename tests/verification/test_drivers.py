@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from builders import FREE, RHO, TRANSMITTING, aluminium, core, solver
 
-from pockmark.bench import bench_scene
-from pockmark.simulation import Simulation
+from pockmark.run.bench import bench_scene
+from pockmark.run.simulation import Simulation
 
 H = 4e-6
 FIELDS = ("position", "velocity", "volume", "energy", "pressure", "viscosity", "deviator", "damage")

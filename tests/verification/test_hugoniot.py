@@ -201,7 +201,12 @@ def test_hugoniot_of_a_fluid(scheme, shape, cfl, single, v, tolerance):
 # Pressure over Rankine-Hugoniot where the shocked material moves, behind shocks that ran 70 to 180 cells, with the
 # default scheme: which body rests, speed, and the figure of today. Points that cross cells leave noise in their
 # velocities that carries part of the momentum (docs/theory.md); it grows with the way.
-MOVING = [("target", 1000.0, 0.51), ("flyer", 1000.0, 0.51), ("target", 2200.0, 0.83), ("target", 4500.0, 0.965)]
+MOVING = [
+    ("target", 1000.0, 0.51),
+    ("flyer", 1000.0, 0.51),
+    ("target", 2200.0, 0.83),
+    ("target", 4500.0, 0.965),
+]
 
 
 @cache

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from pockmark import PockmarkError
-from pockmark.bench import bench_scene
-from pockmark.simulation import Simulation, field_names
+from pockmark.run.bench import bench_scene
+from pockmark.run.simulation import Simulation, field_names
 
 LEAVING = ("impact.speed=12000", "grid.upper=['100 um', '100 um', '25 um']")  # points fly through the lid
 RUNS = {

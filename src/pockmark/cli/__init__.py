@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from .. import __version__
-from ..errors import PockmarkError, shown
+from ..base.errors import PockmarkError, shown
 from . import bench, check, measure, plot, run, study
 from .common import MAX_PATH
 

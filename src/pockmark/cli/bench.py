@@ -5,11 +5,11 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from ..bench import bench as run_bench
-from ..bench import bench_scene
-from ..errors import PockmarkError
-from ..simulation import thread_count
-from ..store import to_json
+from ..base.errors import PockmarkError
+from ..run.bench import bench as run_bench
+from ..run.bench import bench_scene
+from ..run.simulation import thread_count
+from ..run.store import to_json
 from .common import CONSOLE, Overrides, Threads
 
 

@@ -2,10 +2,10 @@
 
 from rich.table import Table
 
-from ..forecast import forecast
-from ..scene import Scene
-from ..simulation import thread_count
-from ..terminal import literal
+from ..base.terminal import literal
+from ..run.simulation import thread_count
+from ..scene.forecast import forecast
+from ..scene.scene import Scene
 from .common import CONSOLE, Overrides, SceneFile, Threads
 
 

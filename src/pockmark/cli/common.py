@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ..terminal import make_console
+from ..base.terminal import make_console
 
 CONSOLE = make_console()
 MAX_PATH = 4096  # characters of a path that are printed

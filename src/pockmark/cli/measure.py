@@ -4,9 +4,9 @@ from typing import Annotated
 
 import typer
 
-from ..report import report
-from ..run import measure_run
-from ..store import to_json
+from ..run.measured import measure_run
+from ..run.store import to_json
+from ..view.report import report
 from .common import CONSOLE, RunDir
 
 

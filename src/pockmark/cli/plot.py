@@ -5,9 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ..errors import shown
-from ..run import plot_run, standing_of
-from ..terminal import literal
+from ..base.errors import shown
+from ..base.terminal import literal
+from ..run.measured import standing_of
+from ..run.pictures import plot_run
 from .common import CONSOLE, MAX_PATH, RunDir
 
 

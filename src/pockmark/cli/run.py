@@ -5,14 +5,16 @@ from typing import Annotated
 
 import typer
 
-from ..errors import shown
-from ..forecast import forecast
-from ..report import report
-from ..run import measure_run, plot_run, run_scene
-from ..scene import Scene
-from ..simulation import thread_count
-from ..stop import heard_between_steps
-from ..terminal import literal
+from ..base.errors import shown
+from ..base.terminal import literal
+from ..run.measured import measure_run
+from ..run.pictures import plot_run
+from ..run.pipeline import run_scene
+from ..run.simulation import thread_count
+from ..run.stop import heard_between_steps
+from ..scene.forecast import forecast
+from ..scene.scene import Scene
+from ..view.report import report
 from .common import CONSOLE, MAX_PATH, Overrides, SceneFile, Threads
 
 DOUBTFUL = 3  # exit code of a run that finished in a state that cannot be

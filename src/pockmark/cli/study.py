@@ -5,10 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ..campaign import FILE, cases, load
-from ..errors import shown
-from ..study import make_report, run_study, summary, write_results
-from ..terminal import literal
+from ..base.errors import shown
+from ..base.terminal import literal
+from ..study.campaign import FILE, cases, load
+from ..study.runner import make_report, run_study, summary, write_results
 from .common import CONSOLE, MAX_PATH
 
 

@@ -1,0 +1,1 @@
+"""What every room needs: errors, units, files, plain data. It imports no other room."""

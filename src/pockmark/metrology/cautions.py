@@ -1,0 +1,100 @@
+"""What a reader of a crater's measures must know: sentences for the results, each plain and whole."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.geometry import ENOUGH_CELLS_ACROSS, LEAST_LAYERS, Setup
+from .crater import FIT_RADIUS, Crater
+from .hole import Hole
+from .results import misplaced
+from .surface import Surface
+
+SETTLED = 0.02  # change of the depth in the last tenth of a run
+ENOUGH_LAYERS = 4  # points through a wall
+
+
+def missing(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Iterator[str]:
+    """Say why there is no crater to measure in a snapshot, where that is so."""
+    wall = setup.wall
+    if not setup.targets:
+        yield "the scene has no target: every body is a projectile, and there is no crater to measure"
+    elif wall is None:
+        tops = ", ".join(f"{top * 1e6:.4g} um" for top in setup.tops)
+        yield f"no block of the target has its top at z = 0, where the crater is measured from (found {tops}): nothing is measured"
+    elif wall.layers < LEAST_LAYERS:
+        yield "the target is one point thick, where neither a crater nor a hole can be told: nothing is measured"
+    elif nowhere := misplaced(snapshot):
+        yield f"{nowhere:,} points have a place, velocity, volume or mass that is no number: nothing is measured"
+    elif not (here := np.isin(snapshot["body"], wall.bodies)).any():
+        yield "no point of the target is left in the grid: there is no crater to measure"
+    elif not (snapshot["position"][here, 2] < 0).any():
+        yield "no point of the target is left below z = 0: there is no crater to measure"
+
+
+def of_hole(hole: Hole | None, surface: Surface | None, setup: Setup) -> Iterator[str]:
+    """Say what a hole makes of the other measures."""
+    wall = setup.wall
+    if surface is None or wall is None or not surface.holes.any():
+        return
+    if hole is None:
+        yield (
+            f"the crater reaches the bottom of what is computed, {wall.thickness * 1e6:.4g} um down (z_lower is {wall.face}): "
+            "whether it is a hole or a crater cannot be told, and no measure is given"
+        )
+        return
+    which = "a hole" if hole.count == 1 else f"{hole.count} holes"
+    yield (
+        f"perforated: {which} through the wall of {wall.thickness * 1e6:.4g} um; there is no crater depth, diameter or volume"
+    )
+    if hole.width is None:
+        yield "every hole reaches the edge of what is computed: its width is not known"
+
+
+def of_crater(crater: Crater | None, surface: Surface | None, setup: Setup) -> Iterator[str]:
+    """Say where a crater is too large for its target, mirror images included."""
+    wall = setup.wall
+    if crater is None or surface is None or wall is None:
+        return
+    depth, thickness = crater.depth, wall.thickness
+    if depth > thickness / 2:
+        yield (
+            f"the crater, {depth * 1e6:.4g} um deep, is deeper than half of the target of {thickness * 1e6:.4g} um: "
+            "the target's back has a share in it"
+        )
+    edge, (x, y) = FIT_RADIUS * surface.spacing, crater.bottom
+    if min(x - surface.x[0], surface.x[-1] - x, y - surface.y[0], surface.y[-1] - y) < edge:
+        yield "the crater's floor touches a side face of what is computed: it may be deeper beyond"
+    if crater.contour is None:
+        yield (
+            "the crater's opening reaches the edge of what is computed: it has no diameter, volume or rim, and the depth is "
+            "not free of the edge"
+        )
+        return
+    wide = np.ptp(crater.contour, axis=0)
+    doubled = [2 if axis in [m.axis for m in setup.mirrors] else 1 for axis in (0, 1)]
+    room = (np.array(wall.upper[:2]) - wall.lower[:2]) * doubled
+    axis = int(np.argmax(wide / room))
+    if wide[axis] > room[axis] / 2:
+        yield (
+            f"the crater, {wide[axis] * 1e6:.4g} um wide along {'xy'[axis]}, is wider than half of the target's "
+            f"{room[axis] * 1e6:.4g} um: the side faces have a share in it"
+        )
+
+
+def of_resolution(setup: Setup, change: float | None) -> Iterator[str]:
+    """Say where the points or the time are too few."""
+    wall, cells = setup.wall, setup.cells_across
+    if cells is not None and cells < ENOUGH_CELLS_ACROSS:
+        yield (
+            f"resolution: {cells:.3g} cells across the projectile, fewer than {ENOUGH_CELLS_ACROSS}: a finer grid gives "
+            "other measures"
+        )
+    if wall and LEAST_LAYERS <= wall.layers < ENOUGH_LAYERS - 0.5:
+        yield (
+            f"the target is {wall.layers:.2g} points thick, fewer than {ENOUGH_LAYERS}: whether it is perforated is not resolved"
+        )
+    if change is not None and change > SETTLED:
+        yield f"the depth still changes by {change:.1%} in the last tenth of the run: it has not settled"

@@ -1,0 +1,251 @@
+"""What a crater measures: depth, pithead, volume, rim. The definitions are in docs/metrology.md."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import ndimage
+
+from ..base.geometry import Mirror, Wall
+from .contours import contour_area, largest_contour, open_at_edge, polygon_moments
+from .ellipse import Ellipse, ellipse_of, with_area
+from .rim import Rim, crest_height, mean_crest, rim_of
+from .surface import SIGMA, Surface, target_field
+
+Array = NDArray[np.float64]
+FIT_RADIUS = 3.0  # of the bottom's paraboloid, spacings
+PATCH = 16  # columns of a cell's area, whose heights err together
+
+
+@dataclass(frozen=True)
+class Crater:
+    """Depth C_p below z = 0 (m), centre of the bottom (x, y; m) and its standard uncertainty along the heading (m); where a
+    closed edge lies around the bottom also the volume (m^3) below z = 0, the mean height of the rim's crest (m), and of the
+    pithead the diameter D_c (m) of the circle of its area, the contour (n, 2; m) h/2 below z = 0, and its ellipse at z = 0;
+    and the rim, where there is one."""
+
+    depth: float
+    bottom: tuple[float, float]
+    bottom_uncertainty: float
+    volume: float | None
+    rim_height: float | None
+    diameter: float | None
+    contour: Array | None
+    pithead: Ellipse | None
+    rim: Rim | None = None
+
+    @property
+    def rim_diameter(self) -> float | None:
+        """From crest to crest, m; None without a rim."""
+        return self.rim.diameter if self.rim else None
+
+
+def measure_target(
+    position: Array,
+    volume: Array,
+    spacing: float,
+    *,
+    mirrors: Sequence[Mirror] = (),
+    wall: Wall | None = None,
+    level: float = 0.5,
+) -> Crater | None:
+    """Return the crater in the target's points, as for `target_field`, at a level of the fraction; None if there is none."""
+    field = target_field(position, volume, spacing, mirrors=mirrors, wall=wall)
+    return None if field is None else measure_crater(field.surface(level))
+
+
+def measure_crater(surface: Surface, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
+    """Measure the crater that holds the deepest point of the surface; None if that is less than half a spacing deep, and where
+    there is a hole, which has no depth. `heading`: the unit vector (x, y) that the projectiles move along, which the bottom's
+    uncertainty is for."""
+    if surface.holes.any():
+        return None
+    floor = floor_of(surface)
+    smooth = ndimage.gaussian_filter(floor, 1.4)
+    i, j = (int(n) for n in np.unravel_index(np.argmin(smooth), floor.shape))
+    depth = _depth(surface, floor, i, j)
+    if depth < 0.5 * surface.spacing:
+        return None
+    bottom, uncertainty = _bottom(surface, floor, i, j, depth, heading)
+    bowl = Openings.of(surface).bowl(i, j)
+    pithead = bowl.pithead(depth)
+    if pithead is None:
+        return Crater(depth, bottom, uncertainty, None, None, None, None, None)
+    crest, centre = crest_height(surface), pithead.ellipse.centre
+    return Crater(
+        depth,
+        bottom,
+        uncertainty,
+        bowl.volume(depth, pithead.area),
+        mean_crest(surface, crest, centre),
+        2 * math.sqrt(pithead.area / math.pi),
+        pithead.contour,
+        pithead.ellipse,
+        rim_of(surface, crest, centre),
+    )
+
+
+def floor_of(surface: Surface) -> Array:
+    """Return the crater's floor (nx, ny), m, without pits of a column or two."""
+    return _without_pits(_lowest(surface), surface.spacing)
+
+
+def _lowest(surface: Surface) -> Array:
+    """Return the lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor; about the wall's back
+    in a hole."""
+    above = surface.within.start if surface.holes.any() else 0  # what a hole lets in below is no crater
+    lowest = above + np.argmax(surface.fraction[:, :, above:] <= 0.5, axis=2)
+    return surface.crossing(np.maximum(lowest - 1, 0))
+
+
+def _without_pits(floor: Array, spacing: float) -> Array:
+    """Return the floor with columns more than a spacing below the median of the 5 x 5 around them put to that median."""
+    median = ndimage.median_filter(floor, size=5)
+    return np.where(floor < median - spacing, median, floor)
+
+
+def _depth(surface: Surface, floor: Array, i: int, j: int) -> float:
+    """Return the depth of the vertex of a paraboloid fitted to the floor around column (i, j), m; the paraboloid's at the column
+    if it has no vertex there."""
+    radius = FIT_RADIUS * surface.spacing
+    dx, dy = np.meshgrid(surface.x - surface.x[i], surface.y - surface.y[j], indexing="ij")
+    near = dx**2 + dy**2 <= radius**2
+    u, v = dx[near] / radius, dy[near] / radius
+    basis = np.stack([np.ones_like(u), u, v, u**2, u * v, v**2], axis=1)
+    a, b, c, d, e, f = np.linalg.lstsq(basis, floor[near], rcond=None)[0]
+    hessian = np.array([[2 * d, e], [e, 2 * f]])
+    if np.all(np.linalg.eigvalsh(hessian) > 0):
+        vertex = -np.linalg.solve(hessian, [b, c])
+        if float(vertex @ vertex) <= 1.0:
+            return -float(a + 0.5 * (b * vertex[0] + c * vertex[1]))
+    return -float(a)
+
+
+def _bottom(
+    surface: Surface, floor: Array, i: int, j: int, depth: float, heading: tuple[float, float]
+) -> tuple[tuple[float, float], float]:
+    """Return the centre (x, y) of the bowl's bottom around column (i, j) and its standard uncertainty along the heading, m.
+
+    The centres of gravity of what lies deeper than .95 and than .9 of the depth are extrapolated to the depth, as the
+    slices of a tilted bowl shift. The vertex of a fit is no use here: the floor of an oblique crater is flat, with
+    grooves a cell apart.
+    """
+    (x, y, noise), (x1, y1, noise1) = (
+        _deep_centre(surface, floor, i, j, part * depth, heading) for part in (0.95, 0.9)
+    )
+    return (2 * x - x1, 2 * y - y1), math.hypot(2 * noise, noise1)
+
+
+def _deep_centre(
+    surface: Surface, floor: Array, i: int, j: int, depth: float, heading: tuple[float, float]
+) -> tuple[float, float, float]:
+    """Return the centre of gravity x, y of the bowl around column (i, j) below `depth`, and its standard uncertainty along the heading, m:
+    the height of each patch of a cell is off by SIGMA spacings, independently."""
+    excess = -floor - depth
+    excess[i, j] = max(excess[i, j], 1e-3 * depth)  # the column itself always counts
+    labels, _ = ndimage.label(excess > 0)
+    excess = np.where(labels == labels[i, j], excess, 0.0)
+    x = float(np.average(surface.x, weights=excess.sum(axis=1)))
+    y = float(np.average(surface.y, weights=excess.sum(axis=0)))
+    along = heading[0] * (surface.x[:, None] - x) + heading[1] * (surface.y[None, :] - y)
+    arm = float((along[excess > 0] ** 2).sum())
+    return x, y, SIGMA * surface.spacing * math.sqrt(PATCH * arm) / float(excess.sum())
+
+
+@dataclass(frozen=True)
+class Openings:
+    """What is open below z = 0: the solid fraction there (nx, ny, nz'), and a number for each hollow (0: solid)."""
+
+    surface: Surface
+    fraction: Array
+    hollow: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, surface: Surface) -> "Openings":
+        """Return the openings of a surface; slices are its nodes below z = 0."""
+        return cls._labelled(surface, surface.fraction[:, :, surface.z < -0.25 * surface.spacing])
+
+    def within(self, columns: NDArray[np.bool_]) -> "Openings":
+        """Return what of it is open in some columns (nx, ny); the others count as solid."""
+        return self._labelled(self.surface, np.where(columns[:, :, None], self.fraction, 1.0))
+
+    @classmethod
+    def _labelled(cls, surface: Surface, fraction: Array) -> "Openings":
+        return cls(surface, fraction, ndimage.label(fraction <= 0.5)[0])
+
+    def bowl(self, i: int, j: int) -> "Bowl":
+        """Return the hollow that is open in column (i, j)."""
+        column = self.hollow[i, j][self.hollow[i, j] > 0]
+        return Bowl(self, int(column[0]) if len(column) else -1)
+
+
+@dataclass(frozen=True)
+class Pithead:
+    """Where a bowl meets z = 0: contour (n, 2) m, of the slice h/2 below; area (m^2) and ellipse at z = 0."""
+
+    contour: Array
+    area: float
+    ellipse: Ellipse
+
+
+def _at_zero(values: Array) -> Array:
+    """Return what values (n, m) in slices 1, 2 ... steps below z = 0 are there, by straight lines."""
+    if len(values) == 1:
+        return np.asarray(values[0])
+    depth = np.arange(1, len(values) + 1)
+    return np.asarray(np.polynomial.polynomial.polyfit(depth, values, 1)[0])
+
+
+@dataclass(frozen=True)
+class Bowl:
+    """One hollow of a surface: all others count as filled."""
+
+    of: Openings
+    number: int
+
+    @property
+    def slices(self) -> int:
+        """How many there are, the last one half a point spacing below z = 0."""
+        return int(self.of.fraction.shape[2])
+
+    def slice(self, k: int) -> Array:
+        """Return the solid fraction (nx, ny) of the k-th slice from below."""
+        near = self.of.hollow[:, :, max(k - 1, 0) : k + 2] == self.number
+        reached = ndimage.binary_dilation(near.any(axis=2), np.ones((3, 3)))
+        here = self.of.hollow[:, :, k]
+        return np.where(reached & ((here == self.number) | (here == 0)), self.of.fraction[:, :, k], 1.0)
+
+    def pithead(self, depth: float) -> "Pithead | None":
+        """Return the pithead of a bowl `depth` (m) deep; None if it is open at the edge.
+
+        At z = 0 itself an untouched surface is on the level too. So area and centre are taken in the slices from h/2 down
+        to 5h/2, or half the depth, and carried on to z = 0 along straight lines; a paraboloid's are straight. The axes' ratio
+        and direction are the mean of these slices: parallel sections of an ellipsoid are alike.
+        """
+        surface, top = self.of.surface, self.slice(self.slices - 1)
+        contour = largest_contour(top)
+        if open_at_edge(top) or contour is None:
+            return None
+        steps = min(max(1, min(5, int(depth / surface.spacing))), self.slices)
+        lines = [contour, *(largest_contour(self.slice(self.slices - 1 - n)) for n in range(1, steps))]
+        found = [polygon_moments(line) for line in lines if line is not None]
+        area = float(_at_zero(np.array([m.area for m in found])))
+        if area <= 0:  # a pit that widens below z = 0 so much that it has no opening
+            return None
+        centre = _at_zero(np.array([m.centre for m in found]))
+        shape = np.mean([m.covariance / m.area for m in found], axis=0)
+        shape = with_area(shape, area)
+        step, corner = surface.spacing / 2, np.array([surface.x[0], surface.y[0]])
+        ellipse = ellipse_of(corner + centre * step, shape * step**2)
+        return Pithead(corner + contour * step, area * step**2, ellipse)
+
+    def volume(self, depth: float, area: float) -> float:
+        """Return the integral of the slices' areas from z = 0 (the pithead's `area`) to -depth, m^3."""
+        heights = self.of.surface.z[: self.slices]
+        cell = (self.of.surface.spacing / 2) ** 2
+        kept = [k for k in range(self.slices) if heights[k] > -depth]
+        areas = [contour_area(self.slice(k)) * cell for k in kept]
+        z = [-depth, *(float(heights[k]) for k in kept), 0.0]
+        return float(np.trapezoid([0.0, *areas, area], z))

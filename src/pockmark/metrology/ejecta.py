@@ -1,0 +1,71 @@
+"""What an impact throws out: the material that hangs no longer together with the rest and moves away.
+
+docs/metrology.md says which mass counts. All figures are of the whole impact: what symmetry planes hide is counted.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.geometry import Mirror, Setup
+from .pieces import attached
+
+Array = NDArray[np.float64]
+SPEED_BINS, ANGLE_BINS = 16, 9
+
+
+@dataclass(frozen=True)
+class Ejecta:
+    """Mass kg, momentum (3,) kg m/s, kinetic energy J of the ejecta in the grid; histograms of their mass (kg) over
+    speed (edges m/s) and over the angle from the surface's normal (edges rad)."""
+
+    mass: float
+    momentum: Array
+    kinetic: float
+    speed_edges: Array
+    mass_by_speed: Array
+    angle_edges: Array
+    mass_by_angle: Array
+
+
+def find_ejecta(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Ejecta:
+    """Return the points, of target and projectile alike, that are detached and move upwards (v_z > 0): from the largest piece of
+    each wall, or of everything where no walls are told."""
+    velocity, mass = snapshot["velocity"], snapshot["mass"]
+    owner = None
+    if setup.walls is not None:
+        owner = np.full(len(mass), -1)
+        for number, bodies in enumerate(setup.walls):
+            owner[np.isin(snapshot["body"], bodies)] = number
+    hangs = attached(snapshot["position"], snapshot["volume"], setup.spacing, owner)
+    away = ~hangs & (velocity[:, 2] > 0)
+    velocity, mass = velocity[away], mass[away] * copies(setup.mirrors)
+    speed = np.linalg.norm(velocity, axis=1)
+    angle = np.arccos(np.clip(velocity[:, 2] / np.where(speed > 0, speed, 1.0), -1.0, 1.0))
+    fastest = float(speed.max(initial=0.0)) or 1.0
+    by_speed, speed_edges = np.histogram(speed, SPEED_BINS, (0.0, fastest), weights=mass)
+    by_angle, angle_edges = np.histogram(angle, ANGLE_BINS, (0.0, np.pi / 2), weights=mass)
+    momentum = whole_momentum((mass[:, None] * velocity).sum(axis=0), setup.mirrors)
+    kinetic = 0.5 * float(mass @ speed**2)
+    return Ejecta(float(mass.sum()), momentum, kinetic, speed_edges, by_speed, angle_edges, by_angle)
+
+
+def copies(mirrors: Sequence[Mirror]) -> int:
+    """Return how many times the whole impact holds what is computed."""
+    return int(2 ** len(mirrors))
+
+
+def whole_momentum(momentum: Array, mirrors: Sequence[Mirror]) -> Array:
+    """Return a momentum without the components across symmetry planes, which the mirror image takes back."""
+    out = np.array(momentum, dtype=float)
+    for mirror in mirrors:
+        out[mirror.axis] = 0.0
+    return out
+
+
+def enhancement(ejected: float, projectile: float) -> float | None:
+    """Return beta = 1 + p_ejecta,z / p_projectile,z, both positive: out of the target, into it; None without a projectile's."""
+    return 1 + ejected / projectile if projectile > 0 else None

@@ -1,0 +1,76 @@
+"""All measures of one state of a run, as nested tables with stable keys, SI."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.geometry import Setup
+from . import cautions, results
+from .hole import measure_hole
+from .morphology import group_of
+from .surface import Field, Surface
+
+# What a measure makes of absurd fields is no number then: null in the table, and a sentence, not a warning of NumPy's.
+UNWARNED = np.errstate(all="ignore")
+History = Mapping[str, NDArray[np.float64]]
+
+
+def measures(
+    snapshot: Mapping[str, NDArray[Any]],
+    setup: Setup,
+    ledger: Mapping[str, float],
+    run: Mapping[str, Any],
+    counters: Mapping[str, int],
+    history: History,
+) -> dict[str, Any]:
+    """Return the tables crater, energy, run, counters, ejecta and, of a swarm, group, and the warnings of a state in a snapshot."""
+    field = results.field_of(snapshot, setup)
+    surface = surface_of(field)
+    crater = results.crater_of(surface, setup.heading)
+    hole = None if surface is None else measure_hole(surface)
+    is_open = surface is not None and bool(surface.holes.any())
+    table = results.result_table(crater, float(snapshot["time"][0]), setup, ledger, run, counters)
+    table["crater"] |= results.morphology_table(snapshot, field, crater, setup)
+    no_wall = [*cautions.missing(snapshot, setup)]
+    is_told = not no_wall and (hole is not None or not is_open)
+    table["crater"] |= results.hole_table(field, hole) if is_told else dict.fromkeys(results.HOLE)
+    change = table["crater"]["depth_change_last_tenth"] = _late_change(history)
+    if group := group_of(surface, setup):
+        table["group"] = results.group_table(group, setup)
+    table["ejecta"] = results.ejecta_table(snapshot, ledger, setup, is_open=is_open)
+    table["warnings"] = [
+        *no_wall,
+        *cautions.of_hole(hole, surface, setup),
+        *cautions.of_crater(crater, surface, setup),
+        *cautions.of_resolution(setup, change),
+    ]
+    worst = worst_error(history)
+    table["energy"]["ledger_error_max"] = None if worst is None else worst[0]
+    return table
+
+
+def surface_of(field: Field | None) -> Surface | None:
+    """Return the surface in a field; None of nothing."""
+    return None if field is None else field.surface()
+
+
+def worst_error(history: History) -> tuple[float, float | None] | None:
+    """Return the largest ledger error of a history, as a share of the initial energy, and its time (s), None where no time is known;
+    None where there is no initial energy."""
+    if not {"error", "initial"} <= history.keys():
+        return None
+    initial = history["initial"]
+    if not len(initial) or not initial[0] > 0:
+        return None
+    error = np.abs(history["error"]) / initial[0]
+    worst = int(np.argmax(error))
+    return float(error[worst]), float(history["time"][worst]) if "time" in history else None
+
+
+def _late_change(history: History) -> float | None:
+    """Return the change of the depth in the last tenth of a history, where it has a time and a depth."""
+    if not {"time", "depth"} <= history.keys():
+        return None
+    return results.depth_change(history["time"], history["depth"])

@@ -1,0 +1,247 @@
+"""A run's results as numbers with stable keys, SI."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.geometry import LEAST_LAYERS, Setup
+from ..base.ledger import LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
+from .crater import Crater, measure_crater
+from .ejecta import copies, enhancement, find_ejecta, whole_momentum
+from .ellipse import Ellipse
+from .hole import Hole, measure_hole
+from .lining import lining
+from .modes import bottoms_of, measures_of, mode_of
+from .morphology import Group, Pit
+from .surface import Field, Surface, target_field
+from .uncertainty import LEVELS, half_difference, uncertainties
+
+SHAPE = (
+    "major_axis",
+    "minor_axis",
+    "orientation",
+    "centre_x",
+    "centre_y",
+    "bottom_x",
+    "bottom_y",
+    "e1",
+    "e2",
+    "rim_height",
+    "rim_diameter",
+    "depth_over_major_axis",
+    "depth_over_minor_axis",
+    "lining_fraction",
+    "lining_thickness",
+    "uncertainty",
+)
+HOLE = ("perforated", "holes", "hole_width", "hole_diameter", "hole_x", "hole_y", "hole_z")
+EJECTA = (
+    *("mass", "momentum", "kinetic", "left_mass", "left_momentum", "left_kinetic", "beta"),
+    *("speed_edges", "mass_by_speed", "angle_edges", "mass_by_angle"),
+)
+
+
+def field_of(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Field | None:
+    """Return the wall near its crater in a snapshot of all points; None if nothing of it is open, or the points are no longer anywhere."""
+    wall = setup.wall
+    if wall is None or wall.layers < LEAST_LAYERS or misplaced(snapshot):
+        return None
+    is_target = np.isin(snapshot["body"], wall.bodies)
+    position, volume = snapshot["position"][is_target], snapshot["volume"][is_target]
+    return target_field(position, volume, wall.spacing, mirrors=setup.mirrors, wall=wall)
+
+
+def misplaced(snapshot: Mapping[str, NDArray[Any]]) -> int:
+    """Return how many points have a place, velocity, volume or mass that is no number: then nothing can be measured."""
+    known = np.isfinite(snapshot["volume"]) & np.isfinite(snapshot["mass"])
+    known &= np.isfinite(snapshot["position"]).all(axis=1) & np.isfinite(snapshot["velocity"]).all(axis=1)
+    return int(np.count_nonzero(~known))
+
+
+def crater_of(surface: Surface | None, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
+    """Return the crater in the target's surface; None if there is none."""
+    return None if surface is None else measure_crater(surface, heading)
+
+
+def morphology_table(
+    snapshot: Mapping[str, NDArray[Any]],
+    field: Field | None,
+    crater: Crater | None,
+    setup: Setup,
+) -> dict[str, Any]:
+    """Return the crater's shape, lining and uncertainties, SI; None for what there is not."""
+    shape: dict[str, Any] = dict.fromkeys(SHAPE)
+    if field is None or crater is None:
+        return shape
+    mass, thickness = lining(snapshot, crater, setup)
+    low, high = (measure_crater(field.surface(level), setup.heading) for level in LEVELS)
+    shape |= {
+        "bottom_x": crater.bottom[0],
+        "bottom_y": crater.bottom[1],
+        "rim_height": crater.rim_height,
+        "rim_diameter": crater.rim_diameter,
+        "lining_fraction": _ratio(mass, copies(setup.mirrors) * setup.projectile_mass),
+        "lining_thickness": thickness,
+        "uncertainty": uncertainties(crater, (low, high), setup.spacing),
+    }
+    if (ellipse := crater.pithead) is not None:
+        shape |= _axes(ellipse) | {
+            "centre_x": ellipse.centre[0],
+            "centre_y": ellipse.centre[1],
+            "e1": ellipse.e1(crater.bottom, setup.heading),
+            "e2": ellipse.e2,
+            "depth_over_major_axis": crater.depth / ellipse.major,
+            "depth_over_minor_axis": crater.depth / ellipse.minor,
+        }
+    return shape
+
+
+def hole_table(field: Field | None, hole: Hole | None) -> dict[str, Any]:
+    """Return the holes in the wall, and the widest one's least section, SI; the `uncertainty` of its widths. Of a wall: without one,
+    or where a hole cannot be told from a crater, nothing is known."""
+    table: dict[str, Any] = dict.fromkeys(HOLE) | {"perforated": hole is not None, "holes": 0}
+    if field is None or hole is None:
+        return table
+    low, high = (measure_hole(field.surface(level)) for level in LEVELS)
+    spread = {
+        "hole_" + key: half_difference(*(getattr(h, key) if h else None for h in (low, high)))
+        for key in ("width", "diameter")
+    }
+    x, y, z = hole.place or (None, None, None)
+    return table | {
+        "holes": hole.count,
+        "hole_width": hole.width,
+        "hole_diameter": hole.diameter,
+        "hole_x": x,
+        "hole_y": y,
+        "hole_z": z,
+        "uncertainty": spread,
+    }
+
+
+def depth_change(time: NDArray[np.float64], depth: NDArray[np.float64]) -> float | None:
+    """Return the difference between the largest and the least depth (m) in the last tenth of the time (s), as a share of the last one; None where a
+    depth is missing there, or nothing was before."""
+    if len(time) < 2 or not (start := 0.9 * time[-1]) > time[0] or not depth[-1] > 0:
+        return None
+    late = np.append(depth[time >= start], np.interp(start, time, depth))
+    return float(np.ptp(late) / depth[-1]) if np.isfinite(late).all() else None
+
+
+def group_table(group: Group, setup: Setup) -> dict[str, Any]:
+    """Return the craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on, where no ball
+    went through."""
+    table: dict[str, Any] = {
+        "craters": len(group.pits),
+        "pitheads": len({pit.hollow for pit in group.pits}),
+        "bottoms": bottoms_of(group),
+        "ridges": len(group.ridges),
+        "holes": group.holes,
+        "each_crater": [_pit_table(pit) for pit in group.pits],
+        "each_ridge": [asdict(ridge) for ridge in group.ridges],
+    }
+    if len(group.pits) < 2 or group.holes:
+        return table
+    depths, measures = [pit.depth for pit in group.pits], measures_of(group, setup.heading)
+    mode = mode_of(measures, oblique=setup.is_oblique)
+    mean = float(np.mean(depths))
+    return table | {
+        "mode": mode.number,
+        "nearest_mode": mode.nearest,
+        "distance_to_it": mode.distance,
+        "depth_mean": mean,
+        "depth_spread": (max(depths) - min(depths)) / mean,
+        **asdict(measures),
+    }
+
+
+def _axes(ellipse: Ellipse | None) -> dict[str, float | None]:
+    """Return the axes of a pithead; None where there is none."""
+    return {
+        "major_axis": ellipse.major if ellipse else None,
+        "minor_axis": ellipse.minor if ellipse else None,
+        "orientation": ellipse.orientation if ellipse else None,
+    }
+
+
+def _pit_table(pit: Pit) -> dict[str, Any]:
+    return {
+        "x": pit.place[0],
+        "y": pit.place[1],
+        "depth": pit.depth,
+        "roughness": pit.roughness,
+        "hollow": pit.hollow,
+        **_axes(pit.ellipse),
+        "residual": pit.residual,
+    }
+
+
+def ejecta_table(
+    snapshot: Mapping[str, NDArray[Any]],
+    ledger: Mapping[str, float],
+    setup: Setup,
+    *,
+    is_open: bool = False,
+) -> dict[str, Any]:
+    """Return the ejecta in the grid and what left it, of the whole impact, SI; of what is in the grid None where points are no longer
+    anywhere. `is_open`: some fly through the wall, and beta is None."""
+    n = copies(setup.mirrors)
+    left = whole_momentum(n * np.array([ledger[key] for key in LEFT_MOMENTUM]), setup.mirrors)
+    table: dict[str, Any] = dict.fromkeys(EJECTA) | {
+        "left_mass": n * ledger["left_mass"],
+        "left_momentum": left.tolist(),
+        "left_kinetic": n * ledger["left_kinetic"],
+    }
+    if misplaced(snapshot):
+        return table
+    found = find_ejecta(snapshot, setup)
+    beta = None if is_open else enhancement(float(found.momentum[2] + left[2]), n * setup.momentum)
+    return table | {
+        "mass": found.mass,
+        "momentum": found.momentum.tolist(),
+        "kinetic": found.kinetic,
+        "beta": beta,
+        "speed_edges": found.speed_edges.tolist(),
+        "mass_by_speed": found.mass_by_speed.tolist(),
+        "angle_edges": found.angle_edges.tolist(),
+        "mass_by_angle": found.mass_by_angle.tolist(),
+    }
+
+
+def result_table(
+    crater: Crater | None,
+    crater_time: float | None,
+    setup: Setup,
+    ledger: Mapping[str, float],
+    run: Mapping[str, Any],
+    counters: Mapping[str, int],
+) -> dict[str, Any]:
+    """Return nested results. Energies are shares of the initial kinetic energy, None where that is zero; E_i^r counts the
+    points that left as they left. internal + kinetic + absorbed + left + pic + contact = 1 + ledger_error."""
+    depth, diameter = (crater.depth, crater.diameter) if crater else (None, None)
+    initial = ledger["initial"]
+    joules = {key: ledger[key] for key in SHARES} | {
+        "residual_internal": ledger["internal"] + ledger["left_internal"],
+        "left": sum(ledger[key] for key in LEFT_ENERGIES),
+        "ledger_error": ledger["error"],
+    }
+    return {
+        "crater": {
+            "depth": depth,
+            "diameter": diameter,
+            "volume": crater.volume if crater else None,
+            "depth_over_projectile_diameter": _ratio(depth, setup.projectile_diameter),
+            "depth_over_diameter": _ratio(depth, diameter),
+            "time": crater_time,
+        },
+        "energy": {key: _ratio(value, initial) for key, value in joules.items()},
+        "run": dict(run) | {"cells_across_projectile": setup.cells_across},
+        "counters": dict(counters),
+    }
+
+
+def _ratio(value: float | None, of: float | None) -> float | None:
+    return value / of if value is not None and of else None

@@ -1,0 +1,69 @@
+"""What makes a run doubtful: states that no material can be in, and energy that is lost or won."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from ..base.counters import DOUBTFUL
+from .simulation import Simulation
+
+LEDGER_LIMIT = 0.01  # of the initial energy
+
+
+class Place(NamedTuple):
+    """How many points were in an impossible state at a time (s), and the corners of a box around them, m."""
+
+    points: int
+    time: float
+    lower: list[float]
+    upper: list[float]
+
+
+class Doubts:
+    """What is to be doubted of a run, noted with each row of its history: where its impossible states are, and its ledger error."""
+
+    def __init__(self) -> None:
+        """Begin with nothing to doubt."""
+        self._places: dict[str, Place] = {}
+        self._error, self._when = 0.0, 0.0
+        self._counted: dict[str, int] = {}
+
+    def note(self, simulation: Simulation, row: Mapping[str, float]) -> None:
+        """Look at a row of the history, and at the points where one of its counters has grown."""
+        counted = {name: int(row[name]) for name in DOUBTFUL}
+        if counted != self._counted:
+            for name, (points, lower, upper) in simulation.impossible().items():
+                if name not in self._places or points > self._places[name].points:
+                    self._places[name] = Place(points, simulation.time, lower, upper)
+        self._counted = counted
+        error = abs(row["error"]) / row["initial"] if row["initial"] > 0 else 0.0
+        if not error <= self._error:  # nan counts
+            self._error, self._when = error, simulation.time
+
+    def sentences(self) -> list[str]:
+        """Return why the run is doubtful, a sentence each; nothing for a run that is not."""
+        return doubts(self._counted, self._error, self._when, self._places)
+
+
+def doubts(
+    counters: Mapping[str, int], error: float, when: float, places: Mapping[str, Place] | None = None
+) -> list[str]:
+    """Return why a run is doubtful: by its counters, its largest ledger error as a share of the initial energy, and the time
+    (s) of that; `places` by counter, where they are known."""
+    out = []
+    for name, what in DOUBTFUL.items():
+        if not (count := counters.get(name, 0)):
+            continue
+        if place := (places or {}).get(name):
+            box = ", ".join(
+                f"{axis} {lower * 1e6:.4g} to {upper * 1e6:.4g}"
+                for axis, lower, upper in zip("xyz", place.lower, place.upper, strict=True)
+            )
+            here = f"{place.points:,} points at {place.time * 1e9:.4g} ns, within {box} um; "
+            out.append(f"points {what}: {here}{count:,} times in all ({name})")
+        else:
+            out.append(f"points {what}: {count:,} times in all ({name})")
+    if not error <= LEDGER_LIMIT:
+        out.append(
+            f"the energies do not add up: off by {error:.3g} of the initial one at {when * 1e9:.4g} ns"
+        )
+    return out

@@ -1,0 +1,98 @@
+"""history.csv: a row of numbers for every time that a run tells where it is."""
+
+import csv
+import io
+import os
+from array import array
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import PockmarkError
+from ..base.files import open_regular, told
+
+LARGEST = 2**30  # bytes; a million rows, the most that a scene may ask for, have less
+LONGEST_LINE = 2**16
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Columns (n,) by their names, and how many rows at the end were torn and left out: 0 or 1."""
+
+    columns: dict[str, NDArray[np.float64]]
+    torn: int
+
+    @property
+    def last(self) -> dict[str, float]:
+        """The last whole row."""
+        return {name: float(values[-1]) for name, values in self.columns.items()}
+
+
+def append_row(path: Path, row: Mapping[str, float]) -> None:
+    """Add a row whole or not at all; the first one brings the header."""
+    descriptor = open_regular(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
+    with told(path), open(descriptor, "wb", buffering=0) as file:
+        size = os.fstat(descriptor).st_size
+        text = io.StringIO()
+        writer = csv.writer(text)
+        if size == 0:
+            writer.writerow(row)
+        writer.writerow(row.values())
+        try:
+            _write_all(file, text.getvalue().encode())
+        except OSError:
+            os.ftruncate(descriptor, size)
+            raise
+
+
+def read_rows(path: Path, *, torn_end: bool = False) -> Rows:
+    """Return the rows; `torn_end`: a last row that its process did not finish is left out. Raises PockmarkError."""
+    descriptor = open_regular(path, os.O_RDONLY)
+    with told(path), open(descriptor, encoding="utf-8", errors="replace", newline="\n") as file:
+        if os.fstat(descriptor).st_size > LARGEST:
+            raise PockmarkError(f"{path}: has more than {LARGEST:,} bytes, which no history needs")
+        lines = _lines(file)
+        names = next(lines, "").rstrip("\r\n").split(",")
+        if len(set(names)) < len(names):
+            raise PockmarkError(f"{path}: has two columns of one name")
+        values = array("d")
+        torn = 0
+        for line in lines:
+            if (numbers := _numbers(line, len(names))) is not None:
+                values.extend(numbers)
+            elif torn_end and next(lines, None) is None:
+                torn = 1
+            else:
+                values = array("d")
+                break
+    if not values:
+        raise PockmarkError(f"{path}: is empty or torn, expected a number in each column")
+    table = np.frombuffer(values).reshape(-1, len(names)).T
+    return Rows(dict(zip(names, table, strict=True)), torn)
+
+
+def _write_all(file: io.FileIO, data: bytes) -> None:
+    """Write to the last byte; a nearly full disk takes a part and fails with the next."""
+    while data:
+        data = data[file.write(data) :]
+
+
+def _lines(file: TextIO) -> Iterator[str]:
+    """Give the lines, one that is too long to be ours in pieces."""
+    while line := file.readline(LONGEST_LINE):
+        yield line
+
+
+def _numbers(line: str, count: int) -> list[float] | None:
+    """Return the numbers of a whole row, None of a torn one."""
+    cells = line.rstrip("\r\n").split(",")
+    if not line.endswith("\n") or len(cells) != count:
+        return None
+    try:
+        return [float(cell) for cell in cells]
+    except ValueError:
+        return None

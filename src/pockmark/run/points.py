@@ -1,0 +1,42 @@
+"""A scene's bodies to material points."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scene.scene import Scene
+
+Array = NDArray[np.float64]
+PIECE = 2**18  # points: what is made of them here comes on top of what the core keeps
+
+
+@dataclass(frozen=True)
+class Points:
+    """Initial material points: position (n, 3) m, velocity (n, 3) m/s, mass (n,) kg, volume (n,) m^3, body (n,)."""
+
+    position: Array
+    velocity: Array
+    mass: Array
+    volume: Array
+    body: NDArray[np.uint8]
+
+
+def make_points(scene: Scene) -> Iterator[Points]:
+    """Make all points of a scene, piece by piece; what lies behind a symmetry plane is dropped."""
+    for index, body in enumerate(scene.body):
+        x = body.lattice(scene.grid.box)
+        volume = body.point_volume
+        mass = volume * scene.materials[body.material].density
+        velocity = scene.velocity(body)
+        for start in range(0, len(x), PIECE):
+            position = np.asarray(x[start : start + PIECE], dtype=np.float64)
+            n = len(position)
+            yield Points(
+                position,
+                np.tile(np.array(velocity), (n, 1)),
+                np.full(n, mass),
+                np.full(n, volume),
+                np.full(n, index, dtype=np.uint8),
+            )

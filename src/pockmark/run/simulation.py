@@ -1,0 +1,240 @@
+"""A run: the core's solver, stepped from event to event."""
+
+import math
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import _core
+from ..base.errors import PockmarkError
+from ..scene.scene import Scene
+from .points import make_points
+
+
+class Task(Protocol):
+    """Something that happens during a run, every `interval` seconds of simulated time."""
+
+    interval: float
+    exact: bool  # whether the steps must land on its times, which costs about one a landing
+
+    def act(self, simulation: "Simulation") -> None:
+        """Act at time 0, at each multiple of the interval or the first step beyond, and at the end."""
+
+
+class Simulation:
+    """The state of one scene. Positions etc. come as copies in SI, in the core's current order."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        threads: int | None = None,
+        *,
+        parts: Mapping[str, Any] | None = None,
+        driver: str = _core.DRIVER,
+        sleep: bool = True,
+    ) -> None:
+        """Make the points and the grid, or go on from the `parts` that another simulation of the scene has saved.
+
+        `driver="plain"` steps a point at a time on one thread: the reference. `sleep=False` steps what is at rest too,
+        with the same result. Raises PockmarkError on a body without points, too many threads, or parts that do not fit.
+        """
+        self.scene = scene
+        self.threads = thread_count(threads)
+        self.stepping_seconds = 0.0
+        self.point_steps = 0
+        self._solver = _make_solver(scene, self.threads, driver, sleep=sleep)
+        if parts is None:
+            self._solver.reserve(sum(body.count(scene.grid.box) for body in scene.body))
+            for piece in make_points(scene):
+                self._solver.add_points(piece.position, piece.velocity, piece.mass, piece.volume, piece.body)
+            self._solver.initialize()
+            return
+        try:
+            self._solver.restore(dict(parts))
+        except ValueError as error:
+            raise PockmarkError(f"what was saved does not fit the scene: {error}") from None
+
+    def save(self) -> dict[str, Any]:
+        """Return all that a step reads of the steps before it: numbers, and arrays (n,), the long ones as views of the solver's memory.
+
+        A simulation of the same scene that is made of them goes on to the last bit as this one does, on any number of
+        threads.
+        """
+        return dict(self._solver.save())
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return float(self._solver.time)
+
+    @property
+    def steps(self) -> int:
+        """Steps done."""
+        return int(self._solver.cycle)
+
+    @property
+    def points(self) -> int:
+        """Material points still in the grid."""
+        return int(self._solver.points)
+
+    @property
+    def rate(self) -> float:
+        """Particle-steps a second of stepping."""
+        return self.point_steps / self.stepping_seconds if self.stepping_seconds > 0 else 0.0
+
+    def field(self, name: str) -> NDArray[Any]:
+        """Return a field of the points by its name in `field_names`, (n,) or (n, components)."""
+        return np.asarray(self._solver.field(name))
+
+    def volume_fraction(self, bodies: Sequence[int]) -> NDArray[np.float32]:
+        """Return the share of the space around each node, one outside of each face included, that the points of some bodies fill; half
+        of it at a face."""
+        return np.asarray(self._solver.volume_fraction([i in bodies for i in range(len(self.scene.body))]))
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """Return all fields of all points."""
+        return {name: self.field(name) for name in field_names()}
+
+    def ledger(self) -> dict[str, float]:
+        """Return where the energy is (J), momentum (kg m/s) and mass (kg)."""
+        return dict(self._solver.ledger())
+
+    def counters(self) -> dict[str, int]:
+        """Return how often each clamp, floor and loss happened."""
+        return dict(self._solver.counters())
+
+    def impossible(self) -> dict[str, tuple[int, list[float], list[float]]]:
+        """Count the points that are in an impossible state now.
+
+        The keys are those of the counters. Each value holds the number of points, and the lower and the upper corner of a
+        box around them, m.
+        """
+        return dict(self._solver.impossible())
+
+    def timers(self) -> dict[str, float]:
+        """Return the seconds spent in each phase of the step."""
+        return dict(self._solver.timers())
+
+    @property
+    def sorts(self) -> int:
+        """How often the points were put in the order of the cells."""
+        return int(self._solver.sorts)
+
+    @property
+    def sleeping_points(self) -> int:
+        """Points that a step passes over, because nothing near them has moved yet."""
+        return int(self._solver.sleeping_points)
+
+    def memory(self) -> dict[str, int]:
+        """Return the bytes of the points and of the grid."""
+        return dict(self._solver.memory_bytes())
+
+    @property
+    def max_compression(self) -> float:
+        """Largest rho/rho0 of any point so far."""
+        return float(self._solver.max_compression())
+
+    def advance(self, end_time: float, max_steps: int = 2**62, pause: float = math.inf) -> int:
+        """Step until `end_time` (s), hit exactly, or `pause` (s), hit or passed, or for `max_steps`. Returns the steps done."""
+        start = time.perf_counter()
+        points = self.points
+        steps = int(self._solver.advance(max_steps=max_steps, end_time=end_time, pause=pause))
+        self.stepping_seconds += time.perf_counter() - start
+        self.point_steps += points * steps
+        return steps
+
+    def run(
+        self,
+        tasks: Sequence[Task] = (),
+        end_time: float | None = None,
+        watch: Callable[["Simulation"], None] | None = None,
+    ) -> None:
+        """Step to the end, calling each task at its times; those of `exact` tasks, and the end, are hit exactly.
+
+        `watch` is called every second or so and changes nothing. KeyboardInterrupt comes through between steps.
+        """
+        end = self.scene.end_time if end_time is None else end_time
+        counts = [0] * len(tasks)
+        while True:
+            for i, task in enumerate(tasks):
+                if self.time >= min(counts[i] * task.interval, end):
+                    task.act(self)
+                    counts[i] += 1
+            if self.time >= end:
+                return
+            due = [(n * task.interval, task.exact) for n, task in zip(counts, tasks, strict=True)]
+            target = min([end, *(time for time, exact in due if exact)])
+            pause = min([end, *(time for time, exact in due if not exact)])
+            while self.time < min(target, pause):
+                # Few steps a call, so that Ctrl-C is heard within a second or so.
+                self.advance(target, max_steps=max(1, 2_000_000 // max(self.points, 1)), pause=pause)
+                if watch:
+                    watch(self)
+
+
+def thread_count(asked: int | None) -> int:
+    """Return the threads to use: every core for 0 or None. Raises PockmarkError where more could only be in each other's way."""
+    cores = len(os.sched_getaffinity(0))
+    most = 4 * cores
+    if not 0 <= (asked or 0) <= most:
+        raise PockmarkError(
+            f"threads: found {asked}, allowed are 1 to {most} (four a core), and 0 for every core"
+        )
+    return asked or cores
+
+
+class LiveFields(Mapping[str, NDArray[Any]]):
+    """The fields of a simulation as they are now, each copied only when it is asked for."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        """Read the fields of `simulation`, which must not step while they are read."""
+        self._simulation = simulation
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Return a field by its name."""
+        if name not in field_names():
+            raise KeyError(name)
+        return self._simulation.field(name)
+
+    def __iter__(self) -> Iterator[str]:
+        """Return the names."""
+        return iter(field_names())
+
+    def __len__(self) -> int:
+        """Return how many there are."""
+        return len(field_names())
+
+
+def field_names() -> list[str]:
+    """Return the names of all point fields, `body` and `id` included."""
+    return [*(f["name"] for f in _core.fields()), "body", "id"]
+
+
+def _make_solver(scene: Scene, threads: int, driver: str, *, sleep: bool) -> Any:
+    """Return the core's solver of a scene, without points."""
+    numerics = scene.numerics
+    solver = _core.solver(single=numerics.precision == "single", driver=driver)(
+        lower=scene.grid.lower,
+        cell=scene.grid.cell,
+        cells=scene.grid.cells,
+        faces=[getattr(_core.Face, kind) for kind in scene.boundary.faces],
+        materials=[scene.materials[b.material].to_core() for b in scene.body],
+        options=_core.Options(
+            scheme=getattr(_core.Scheme, numerics.scheme),
+            shape=getattr(_core.ShapeFunction, numerics.shape_functions),
+            cfl=numerics.cfl,
+            strain_limit=numerics.strain_limit,
+            pic_fraction=numerics.pic_fraction,
+            mass_cutoff=numerics.mass_cutoff,
+            sleep=sleep,
+        ),
+        threads=threads,
+    )
+    solver.let_fly([b.projectile or b.velocity is not None for b in scene.body])
+    if scene.contact:
+        solver.set_contact([b.projectile for b in scene.body], scene.contact.friction)
+    return solver

@@ -1,0 +1,222 @@
+"""The run folder: scene.toml, manifest.json, history.csv and snapshot-NNNN.vtkhdf files that ParaView opens."""
+
+import json
+import math
+import os
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import PHYSICS, __version__
+from ..base.errors import PockmarkError
+from ..base.files import read_text, told, write_text
+from ..base.toml import parse_toml
+from ..scene.scene import Scene, hash_of
+from .history import Rows, append_row, read_rows
+from .lock import LOCK, Lock, holder
+from .manifest import Measured, parse_manifest, row_as_record, validated
+from .provenance import commit, machine, now
+from .snapshot import Snapshot, write_snapshot
+
+MANIFEST = "manifest.json"
+HISTORY = "history.csv"
+# What pockmark writes into a run folder: --force removes these and nothing else.
+OWN_FILES = (
+    "scene.toml",
+    HISTORY,
+    "snapshot-*.vtkhdf",
+    "crater.png",
+    "history.png",
+    MANIFEST,
+)
+SNAPSHOT = re.compile(r"snapshot-(\d{1,9})\.vtkhdf")
+UNENDED = ("running", "killed")
+
+
+class RunFolder:
+    """One run on disk."""
+
+    def __init__(self, path: Path) -> None:
+        """Wrap a path; nothing is touched."""
+        self.path = path
+        self._lock: Lock | None = None
+
+    @classmethod
+    def create(cls, path: str | Path, scene: Scene, *, force: bool = False) -> "RunFolder":
+        """Make the folder for a new run and lock it until release(). Raises PockmarkError if something else is there."""
+        folder = cls(Path(path))
+        folder.require_free(force=force)
+        with told(path):
+            folder.path.mkdir(parents=True, exist_ok=True)
+        folder._lock = Lock(folder.path)
+        try:
+            folder.require_free(force=force)  # another process may have been and gone
+            folder.clear()
+            folder.write_manifest(_start(scene))  # first: killed now, it is a run that may be replaced
+            write_text(folder.path / "scene.toml", scene.to_toml())
+        except BaseException:
+            folder.release()
+            raise
+        return folder
+
+    @classmethod
+    def open(cls, path: str | Path) -> "RunFolder":
+        """Open an existing run. Raises PockmarkError if it is none."""
+        folder = cls(Path(path))
+        if not os.path.lexists(folder.path / MANIFEST):
+            raise PockmarkError(f"{path}: is not a run folder (it has no {MANIFEST})")
+        folder.manifest()
+        return folder
+
+    def require_free(self, *, force: bool) -> None:
+        """Raise PockmarkError unless a run may be written here: into an empty folder, or by `force` over a run that is over."""
+        with told(self.path):
+            if self.path.exists() and not self.path.is_dir():
+                raise PockmarkError(f"{self.path}: is a file, expected a folder to write the run to")
+            if not self.path.exists() or all(file.name == LOCK for file in self.path.iterdir()):
+                return
+        if not self._lock and (who := holder(self.path)):
+            raise PockmarkError(f"{self.path}: {who} runs in it now")
+        if not self.is_run():
+            raise PockmarkError(f"{self.path}: is not empty and holds no run")
+        if not force:
+            raise PockmarkError(f"{self.path}: holds a run (--force replaces it)")
+
+    def release(self) -> None:
+        """Let other processes run in the folder."""
+        if self._lock:
+            self._lock.release()
+            self._lock = None
+
+    def is_run(self) -> bool:
+        """Return whether the folder holds a run of pockmark's, and not just some manifest.json."""
+        try:
+            RunFolder.open(self.path)
+        except PockmarkError:
+            return False
+        return True
+
+    def clear(self) -> None:
+        """Remove what pockmark wrote; files of the user's stay."""
+        for pattern in OWN_FILES:
+            # What was being written when its process was killed first: a folder without a manifest is no run.
+            for file in (*self.path.glob(f"{pattern}*.part"), *self.path.glob(pattern)):
+                with told(file):
+                    file.unlink()
+
+    def scene(self) -> Scene:
+        """Return the scene of the run. Raises PockmarkError if scene.toml is not what the run was started with."""
+        path = self.path / "scene.toml"
+        table, known = parse_toml(read_text(path), path), self.manifest()
+        # The title was part of the hash before the physics was counted.
+        if hash_of(table, titled=known.get("physics") is None) != known["scene_hash"]:
+            raise PockmarkError(f"{path}: is not the scene of this run, whose hash {MANIFEST} has")
+        return Scene.from_dict(table, source=str(path))
+
+    def manifest(self) -> dict[str, Any]:
+        """Return manifest.json as a dictionary. Raises PockmarkError if it is none of pockmark's."""
+        path = self.path / MANIFEST
+        text = read_text(path)
+        try:
+            return parse_manifest(text)
+        except PockmarkError as error:
+            raise PockmarkError(f"{path}: {error}") from None
+
+    def status(self) -> str:
+        """Return how the run stands: running, finished, interrupted, failed, or killed, which it could not write itself."""
+        status = str(self.manifest()["status"])
+        return "killed" if status == "running" and holder(self.path) is None else status
+
+    def record(self, cells: int) -> Measured:
+        """Return what the manifest says of the run's end; of a run without one, in `cells` cells, what its last row says."""
+        ended = self.status() not in UNENDED
+        table = self.manifest() if ended else row_as_record(self.rows().last, cells)
+        try:
+            return validated(Measured, table)
+        except PockmarkError as error:
+            raise PockmarkError(f"{self.path / (MANIFEST if ended else HISTORY)}: {error}") from None
+
+    def write_manifest(self, table: Mapping[str, Any]) -> None:
+        """Replace manifest.json in one go."""
+        write_text(self.path / MANIFEST, to_json(table) + "\n")
+
+    def append_history(self, row: Mapping[str, float]) -> None:
+        """Add a row to history.csv; the first one writes the header."""
+        append_row(self.path / HISTORY, row)
+
+    def rows(self) -> Rows:
+        """Return the rows of history.csv, without one that a process is at, or was when it was killed."""
+        return read_rows(self.path / HISTORY, torn_end=self.status() in UNENDED)
+
+    def history(self, *needed: str) -> dict[str, NDArray[np.float64]]:
+        """Return the columns of history.csv. Raises PockmarkError if one that is `needed` is missing."""
+        columns = self.rows().columns
+        if missing := [name for name in needed if name not in columns]:
+            raise PockmarkError(f"{self.path / HISTORY}: lacks the column {missing[0]}")
+        return columns
+
+    def snapshots(self) -> list[Path]:
+        """Return the snapshot files in the order of time."""
+        with told(self.path):
+            numbered = {path: _number(path) for path in self.path.iterdir()}
+        return sorted(
+            (path for path, n in numbered.items() if n is not None), key=lambda path: numbered[path] or 0
+        )
+
+    def write_snapshot(self, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> Path:
+        """Write all fields of all points as the next VTKHDF file."""
+        found = self.snapshots()
+        number = 1 + (_number(found[-1]) or 0) if found else 0
+        path = self.path / f"snapshot-{number:04d}.vtkhdf"
+        write_snapshot(path, fields, time_s, step)
+        return path
+
+    def last_snapshot(self) -> Snapshot:
+        """Return the fields of the last snapshot; of a run that was killed, of the last whole one. Raises PockmarkError."""
+        found = self.snapshots()
+        if not found:
+            raise PockmarkError(f"{self.path}: holds no snapshot")
+        if self.status() == "killed":
+            for path in reversed(found):
+                with suppress(PockmarkError):
+                    return Snapshot(path)
+        return Snapshot(found[-1])
+
+
+def _number(path: Path) -> int | None:
+    """Return the number of a snapshot's file, None for another file."""
+    name = SNAPSHOT.fullmatch(path.name)
+    return int(name[1]) if name else None
+
+
+def _start(scene: Scene) -> dict[str, Any]:
+    """Return what a run's manifest says from the start on."""
+    return {
+        "status": "running",
+        "pockmark": __version__,
+        "physics": PHYSICS,
+        "commit": commit(),
+        "scene_hash": scene.hash,
+        "started": now(),
+        "machine": machine(),
+        "options": scene.numerics.model_dump(),
+    }
+
+
+def finite(value: Any) -> Any:
+    """Return the value, with None for what is no number (nan, inf) anywhere in its tables and lists: JSON has no word for it."""
+    if isinstance(value, Mapping):
+        return {key: finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def to_json(value: Any) -> str:
+    """Return JSON that every reader reads."""
+    return json.dumps(finite(value), indent=2, allow_nan=False)

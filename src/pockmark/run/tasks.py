@@ -1,0 +1,88 @@
+"""What happens during a run: history, snapshots, the progress bar."""
+
+import time
+
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+from ..base.ledger import LEDGER
+from .doubts import Doubts
+from .live import live_depth
+from .simulation import LiveFields, Simulation
+from .store import RunFolder
+
+
+class History:
+    """A row of history.csv every `interval` seconds, or with the step after: ledger, depth, extremes, counters."""
+
+    exact = False
+
+    def __init__(self, folder: RunFolder, interval: float) -> None:
+        """Set the interval, in seconds of simulated time."""
+        self.folder, self.interval = folder, interval
+        self.doubts = Doubts()
+        self._written = -1.0
+
+    def act(self, simulation: Simulation) -> None:
+        """Write a row, if there is none of this time yet."""
+        if simulation.time == self._written:
+            return
+        ledger = simulation.ledger()
+        row = {"time": simulation.time, "step": float(simulation.steps), "points": float(simulation.points)}
+        row |= {key: ledger[key] for key in LEDGER}
+        row["depth"] = live_depth(simulation).depth
+        row["max_compression"] = simulation.max_compression
+        row |= {key: float(value) for key, value in simulation.counters().items()}
+        self.doubts.note(simulation, row)
+        self.folder.append_history(row)
+        self._written = simulation.time
+
+
+class Snapshots:
+    """A VTKHDF file every `interval` seconds, exactly."""
+
+    exact = True
+
+    def __init__(self, folder: RunFolder, interval: float) -> None:
+        """Set the interval, in seconds of simulated time."""
+        self.folder, self.interval = folder, interval
+        self._written = -1.0
+
+    def act(self, simulation: Simulation) -> None:
+        """Write all fields of all points, if this time's are not written yet."""
+        if simulation.time == self._written:
+            return
+        # Field by field: all at once would double the memory of the run.
+        self.folder.write_snapshot(LiveFields(simulation), simulation.time, simulation.steps)
+        self._written = simulation.time
+
+
+class ProgressBar:
+    """Simulated time, rate, time left and depth on the terminal."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        """Start the bar at once; call close() at the end."""
+        end = simulation.scene.end_time
+        self._shown = float("-inf")
+        self._bar = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TaskProgressColumn(),
+            TimeRemainingColumn(),
+            TextColumn("{task.fields[state]}"),
+        )
+        self._task = self._bar.add_task("impact", total=end, state="")
+        self._bar.start()
+
+    def watch(self, simulation: Simulation) -> None:
+        """Show where the run is, every second. No task: it must not move the steps."""
+        if time.monotonic() - self._shown < 1.0 and simulation.time < simulation.scene.end_time:
+            return
+        self._shown = time.monotonic()
+        live = live_depth(simulation)
+        crater = "perforated" if live.is_perforated else f"depth about {live.depth * 1e6:z.1f} um"
+        state = f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s  {crater}"
+        self._bar.update(self._task, completed=simulation.time, state=state)
+
+    def close(self) -> None:
+        """Leave the terminal as it was."""
+        self._bar.stop()

@@ -1,0 +1,1 @@
+"""What a user decides about a run: bodies, materials, grid, method; and what it will take."""

@@ -1,0 +1,98 @@
+"""A brick of material."""
+
+import math
+from collections.abc import Sequence
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from ...base.geometry import Mirror
+from .shape import EVERYWHERE, Array, Box, Fit, Solid, Vector, require_size
+
+
+class Block(Solid):
+    """A brick of material between two corners."""
+
+    shape: Literal["block"]
+    lower: Vector
+    upper: Vector
+
+    @model_validator(mode="after")
+    def _has_size(self) -> Self:
+        require_size(self.lower, self.upper)
+        return self
+
+    @property
+    def fits(self) -> tuple[Fit, Fit, Fit]:
+        """How points fill it along x, y and z."""
+        x, y, z = (
+            Fit.of(u - w, self.spacing, self.rounded) for w, u in zip(self.lower, self.upper, strict=True)
+        )
+        return x, y, z
+
+    @property
+    def box(self) -> tuple[Vector, Vector]:
+        """Lower and upper corners of what its points fill, m; rounding moves the sides away from the lower corner and from
+        the top."""
+        x, y, z = (fit.length - (u - w) for fit, w, u in zip(self.fits, self.lower, self.upper, strict=True))
+        (x0, y0, z0), (x1, y1, z1) = self.lower, self.upper
+        return (x0, y0, z0 - z), (x1 + x, y1 + y, z1)
+
+    @property
+    def points_about(self) -> float:
+        """The product of the points along its sides."""
+        return math.prod(fit.number for fit in self.fits)
+
+    @property
+    def point_volume(self) -> float:
+        """The brick of the pitches, m^3."""
+        return self.spacing**3 * math.prod(fit.pitch / self.spacing for fit in self.fits)
+
+    @property
+    def written_volume(self) -> float:
+        """Volume between the corners as they are written, m^3."""
+        return math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))
+
+    @property
+    def foot(self) -> tuple[float, float]:
+        """x and y of its middle, m."""
+        return (self.lower[0] + self.upper[0]) / 2, (self.lower[1] + self.upper[1]) / 2
+
+    @property
+    def diameter(self) -> float:
+        """Its height, m."""
+        return self.fits[2].length
+
+    @property
+    def level(self) -> float:
+        """Height of its top, m."""
+        return self.upper[2]
+
+    def lattice(self, box: Box = EVERYWHERE) -> Array:
+        """Return the positions (n, 3) of its points, m, that lie in the box, its upper faces left out."""
+        axes = [
+            axis[(axis >= low) & (axis < high)] for axis, low, high in zip(self._axes(), *box, strict=True)
+        ]
+        return np.asarray(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3))
+
+    def count(self, box: Box = EVERYWHERE) -> int:
+        """Return how many points it has; it lies in the box whole."""
+        return math.prod(int(fit.number) for fit in self.fits)
+
+    def nearest(self, places: Array) -> Array:
+        """Return for each place (n, 3) the nearest one in its box."""
+        return np.clip(places, *self.box)
+
+    def least_width(self, mirrors: Sequence[Mirror], tolerance: float) -> float:
+        """Return its least side, m; a side that ends at a symmetry plane counts twice."""
+        sides = [fit.length for fit in self.fits]
+        for mirror in mirrors:
+            if abs(self.box[mirror.above][mirror.axis] - mirror.at) <= tolerance:
+                sides[mirror.axis] *= 2
+        return min(sides)
+
+    def _axes(self) -> list[Array]:
+        """Return the centres lower + (i + 1/2) h of the pitches h; along z upper - (k + 1/2) h, so that the surface is where it is asked."""
+        x, y, z = ((np.arange(fit.number) + 0.5) * fit.pitch for fit in self.fits)
+        return [self.lower[0] + x, self.lower[1] + y, self.upper[2] - z[::-1]]

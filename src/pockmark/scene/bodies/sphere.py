@@ -1,0 +1,46 @@
+"""A ball of material."""
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ...base.units import Length
+from .balls import Balls
+from .shape import Fit, Vector
+
+
+class Sphere(Balls):
+    """A ball of material, at a `center` of three coordinates, or of x and y with a `gap` between it and z = 0."""
+
+    shape: Literal["sphere"]
+    center: tuple[Length, ...]
+    gap: Annotated[Length, Field(ge=0)] | None = None
+    radius: Annotated[Length, Field(gt=0)]
+
+    @model_validator(mode="after")
+    def _has_one_height(self) -> Self:
+        if len(self.center) != (3 if self.gap is None else 2):
+            raise ValueError(
+                "needs either a center of x, y and z, or one of x and y with gap, the clear height above z = 0"
+            )
+        return self
+
+    @property
+    def places(self) -> tuple[Vector]:
+        """Its own centre, m."""
+        x, y = self.center[:2]
+        return ((x, y, self.center[2] if self.gap is None else self.gap + self.fit.length),)
+
+    @property
+    def fit(self) -> Fit:
+        """How points fill its radius."""
+        return Fit.of(self.radius, self.spacing, self.rounded)
+
+    @property
+    def written_radius(self) -> float:
+        """Its radius as it is written, m."""
+        return self.radius
+
+    def is_halved_by(self, axis: int, at: float, tolerance: float) -> bool:
+        """Return whether a plane across an axis goes through its centre, to a tolerance (m)."""
+        return abs(self.places[0][axis] - at) <= tolerance

@@ -1,0 +1,94 @@
+"""What is known of a run before it starts: its size, its memory and disk, its time."""
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from .. import _core
+from .scene import Scene
+from .warnings import cells_across, warnings
+
+# Peak of the resident memory, measured (benchmarks/README.md, "Memory"). The core keeps, by the bytes of a number:
+NUMBERS_PER_POINT, BYTES_PER_POINT = 21, 22  # fields, the sort's scratch; body, id, cell, order, runs
+NUMBERS_PER_NODE, BYTES_PER_NODE = 16, 4
+BYTES_PER_POINT_WRITTEN = (
+    72  # while a snapshot is written: the deviator as doubles, the effective stress and its terms
+)
+BYTES_PER_POINT_MEASURED = 140  # when the core is gone: the fields that are read, and the crater's
+RUNNING, DRAWING = 148 * 2**20, 180 * 2**20  # Python and the libraries; with what matplotlib loads to draw
+# On the disk, whatever the precision:
+BYTES_PER_POINT_KEPT = 174  # of a snapshot
+BYTES_PER_ROW = 450  # of the history
+BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 300_000
+# Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
+TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What a run will take, before anything runs."""
+
+    points: int
+    cells: int
+    steps: int
+    memory: float  # bytes: the peak of `pockmark run`, its measuring and drawing included
+    disk: float  # bytes of the run folder
+    seconds: float
+    cells_across: float | None  # of the grid across the smallest projectile
+    warnings: list[str] = field(default_factory=list)
+
+
+def forecast(scene: Scene, threads: int) -> Forecast:
+    """Forecast points, cells, steps, memory, disk and time of a scene, with warnings."""
+    points = sum(body.count(scene.grid.box) for body in scene.body)
+    steps = math.ceil(scene.steps_about)
+    slower = 2.8 if scene.numerics.shape_functions == "quadratic" else 1.0
+    rate = TYPICAL_RATE[_core.build_info()["isa"]] * threads
+    memory = _peak(scene, points)
+    return Forecast(
+        points=points,
+        cells=scene.grid.cell_count,
+        steps=steps,
+        memory=memory,
+        disk=_disk(scene, points),
+        seconds=points * steps * slower / rate,
+        cells_across=cells_across(scene),
+        warnings=warnings(scene) + _memory_warning(memory, available_memory()),
+    )
+
+
+def available_memory() -> float | None:
+    """Return the memory that can be had without swapping, bytes; None where the system does not tell."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return None
+    found = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
+    return 1024.0 * float(found[0]) if found else None
+
+
+def _peak(scene: Scene, points: int) -> float:
+    """Return the largest resident memory, bytes: while a snapshot is written, or while the crater is measured and drawn."""
+    number = 8 if scene.numerics.precision == "double" else 4
+    nodes = scene.grid.node_count * (2 if scene.contact else 1)
+    core = points * (NUMBERS_PER_POINT * number + BYTES_PER_POINT)
+    core += nodes * (NUMBERS_PER_NODE * number + BYTES_PER_NODE)
+    running = RUNNING + core + points * BYTES_PER_POINT_WRITTEN
+    return max(running, DRAWING + points * BYTES_PER_POINT_MEASURED)
+
+
+def _disk(scene: Scene, points: int) -> float:
+    """Return the size of the run folder, bytes, if no point leaves the grid."""
+    # The last ones, at the end, are not counted twice where the interval divides it.
+    snapshots, rows = (
+        1 + math.ceil(scene.end_time / interval - 1e-9)
+        for interval in (scene.output.snapshots, scene.output.history)
+    )
+    kept = snapshots * (points * BYTES_PER_POINT_KEPT + BYTES_PER_SNAPSHOT)
+    return kept + rows * BYTES_PER_ROW + BYTES_OF_PICTURES
+
+
+def _memory_warning(needed: float, available: float | None) -> list[str]:
+    if available is None or needed <= available:
+        return []
+    return [f"it needs {needed / 2**20:,.0f} MiB of memory, {available / 2**20:,.0f} MiB are free"]

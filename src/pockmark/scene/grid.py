@@ -1,0 +1,73 @@
+"""The grid of a scene, and what each of its faces does."""
+
+import math
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from ..base.units import Length
+from .bodies import Vector, require_size
+from .materials import Model
+
+FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
+FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
+MAX_NODES = 2**32 - 2  # what the core can number
+
+
+class Grid(Model):
+    """The background grid: a box of cubic cells. The upper corner is rounded up to whole cells."""
+
+    lower: Vector
+    upper: Vector
+    cell: Annotated[Length, Field(gt=0)]
+
+    @property
+    def cells(self) -> tuple[int, int, int]:
+        """Number of cells along x, y, z."""
+        x, y, z = (math.ceil((u - w) / self.cell - 1e-9) for w, u in zip(self.lower, self.upper, strict=True))
+        return x, y, z
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return math.prod(self.cells)
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes, with the rim around the cells."""
+        return math.prod(n + 3 for n in self.cells)
+
+    @property
+    def corner(self) -> tuple[float, ...]:
+        """The upper corner after rounding to whole cells, m."""
+        return tuple(w + n * self.cell for w, n in zip(self.lower, self.cells, strict=True))
+
+    @property
+    def box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Lower and upper corners, m."""
+        return self.lower, self.corner
+
+    @model_validator(mode="after")
+    def _has_size(self) -> Self:
+        require_size(self.lower, self.upper)
+        # With the rim around them; in floats, which may be infinite where no whole number is.
+        nodes = math.prod((u - w) / self.cell + 4 for w, u in zip(self.lower, self.upper, strict=True))
+        if not nodes <= MAX_NODES:
+            raise ValueError(f"a cell of {self.cell:g} m makes {nodes:.3g} nodes, at most {MAX_NODES} fit")
+        return self
+
+
+class Boundary(Model):
+    """What each face of the grid does."""
+
+    x_lower: FaceKind = "transmitting"
+    x_upper: FaceKind = "transmitting"
+    y_lower: FaceKind = "symmetry"
+    y_upper: FaceKind = "transmitting"
+    z_lower: FaceKind = "transmitting"
+    z_upper: FaceKind = "free"
+
+    @property
+    def faces(self) -> tuple[FaceKind, ...]:
+        """The six faces in the core's order."""
+        return (self.x_lower, self.x_upper, self.y_lower, self.y_upper, self.z_lower, self.z_upper)

@@ -1,0 +1,55 @@
+"""How the projectiles come."""
+
+import math
+from typing import Annotated
+
+from pydantic import Field, field_validator
+
+from ..base.units import Angle, Speed
+from .materials import Model
+
+
+class Impact(Model):
+    """Velocity of the projectile bodies: speed, angle from the normal of the surface, and the direction along the surface that
+    a positive angle leads to: azimuth, about z from +x towards +y."""
+
+    speed: Annotated[Speed, Field(ge=0)]
+    angle: Angle = 0.0
+    azimuth: Angle = 0.0
+
+    @field_validator("angle")
+    @classmethod
+    def _comes_from_above(cls, angle: float) -> float:
+        if not abs(angle) < math.pi / 2:
+            raise ValueError(
+                f"found {math.degrees(angle):g} deg, expected more than -90 deg and less than 90 deg"
+            )
+        return angle
+
+    @field_validator("azimuth")
+    @classmethod
+    def _is_within_a_turn(cls, azimuth: float) -> float:
+        if not abs(azimuth) <= 2 * math.pi * (1 + 1e-12):
+            raise ValueError(f"found {math.degrees(azimuth):g} deg, expected -360 deg to 360 deg")
+        return azimuth
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """m/s; exactly 0 across the azimuth where that is a multiple of 90 degrees."""
+        along = self.speed * math.sin(self.angle)
+        x, y = _unit(self.azimuth)
+        return along * x + 0.0, along * y + 0.0, -self.speed * math.cos(self.angle)  # + 0.0: no -0.0
+
+    @property
+    def heading(self) -> tuple[float, float]:
+        """Unit vector along the surface that the projectiles move to; of a normal impact the azimuth's."""
+        x, y = _unit(self.azimuth)
+        return (-x + 0.0, -y + 0.0) if self.angle < 0 else (x, y)
+
+
+def _unit(azimuth: float) -> tuple[float, float]:
+    """Return the cosine and sine of an angle; those of a multiple of 90 degrees are exactly 0, 1 or -1."""
+    quarters = round(azimuth / (math.pi / 2))
+    rest = azimuth - quarters * (math.pi / 2)
+    c, s = (1.0, 0.0) if abs(rest) < 1e-12 else (math.cos(rest), math.sin(rest))
+    return ((c, s), (-s + 0.0, c), (-c, -s + 0.0), (s, -c))[quarters % 4]

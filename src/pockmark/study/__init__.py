@@ -1,0 +1,1 @@
+"""Many runs: campaigns, their processes, their tables."""

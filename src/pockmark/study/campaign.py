@@ -1,0 +1,95 @@
+"""A campaign: one scene with swept keys, in groups that figures and tables are drawn from."""
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, ValidationError
+
+from ..base.errors import PockmarkError
+from ..base.toml import read_toml, to_toml
+from ..scene.materials import Model
+from ..scene.scene import Scene
+from ..scene.sentences import sentence
+
+FILE = "campaign.toml"
+Changes = Annotated[dict[str, Any], Field(default_factory=dict)]  # "impact.speed": "4 km/s"
+Sweep = Annotated[dict[str, Annotated[list[Any], Field(min_length=1)]], Field(default_factory=dict)]
+
+
+class Group(Model):
+    """Runs for some figures: every combination of the swept values."""
+
+    name: str
+    figures: Annotated[list[str], Field(default_factory=list)]
+    set: Changes
+    sweep: Sweep
+    quick: Sweep  # what is swept instead in the quick form
+
+
+class Campaign(Model):
+    """What `campaign.toml` says; `scene` is a path from the file's folder, and so is `report`: a Python script that draws
+    figures from the finished table, called as `report TABLE RUNS OUT`."""
+
+    title: str = ""
+    scene: str
+    report: str = ""
+    set: Changes
+    quick: Changes
+    group: Annotated[list[Group], Field(min_length=1)]
+
+
+@dataclass
+class Case:
+    """One run: its scene, what was swept to get it, and the groups that want it."""
+
+    scene: Scene
+    swept: dict[str, Any]
+    groups: list[str]
+
+    @property
+    def label(self) -> str:
+        """For the terminal: the first group that wants it, and what was swept."""
+        return ", ".join(
+            [self.groups[0], *(f"{key.rpartition('.')[2]} {value}" for key, value in self.swept.items())]
+        )
+
+
+def load(folder: Path) -> Campaign:
+    """Read a campaign. Raises PockmarkError with one sentence."""
+    path = folder / FILE
+    try:
+        return Campaign.model_validate(read_toml(path))
+    except ValidationError as error:
+        raise PockmarkError(f"{path}: {sentence(error, Campaign)}") from None
+
+
+def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:
+    """Return the runs of a campaign, each once with all groups that want it; `only` names groups or figures to run."""
+    known = {name for g in campaign.group for name in (g.name, *g.figures)}
+    if unknown := sorted(set(only) - known):
+        raise PockmarkError(
+            f"--only {unknown[0]}: no such group or figure, allowed are {', '.join(sorted(known))}"
+        )
+    found: dict[str, Case] = {}
+    wanted: set[str] = set()
+    path = folder / campaign.scene
+    base = read_toml(path)
+    for group in campaign.group:
+        is_wanted = not only or bool(set(only) & {group.name, *group.figures})
+        sweep = group.quick if quick and group.quick else group.sweep
+        for values in itertools.product(*sweep.values()):
+            swept = dict(zip(sweep, values, strict=True))
+            changes = campaign.set | group.set | (campaign.quick if quick else {}) | swept
+            scene = Scene.from_dict(base, source=str(path), overrides=_texts(changes))
+            found.setdefault(scene.hash, Case(scene, swept, [])).groups.append(group.name)
+            if is_wanted:
+                wanted.add(scene.hash)
+    return [case for key, case in found.items() if key in wanted]
+
+
+def _texts(changes: Mapping[str, Any]) -> list[str]:
+    """Return the changes as --set takes them."""
+    return [f"{key}={to_toml({'v': value}).removeprefix('v = ').strip()}" for key, value in changes.items()]

@@ -1,0 +1,196 @@
+"""Running a campaign: each run once, kept by the hash of its scene and the physics; what fails stops nothing."""
+
+import csv
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table
+
+from .. import PHYSICS, __version__
+from ..base.errors import PockmarkError
+from ..base.files import replaced, told
+from ..base.terminal import literal
+from ..run.measured import measure_run
+from ..run.pipeline import run_scene
+from ..run.simulation import thread_count
+from ..run.stop import heard_between_steps
+from ..run.store import RunFolder
+from ..scene.forecast import forecast
+from ..scene.scene import Scene
+from .campaign import Case
+from .workers import run_apart
+
+
+@dataclass
+class Outcome:
+    """A case that is done: its results, or why there are none; `kept`: it was there already."""
+
+    case: Case
+    result: dict[str, Any] | None
+    fault: str = ""
+    kept: bool = False
+
+
+def run_study(cases: Sequence[Case], out: Path, *, jobs: int, console: Console) -> list[Outcome]:
+    """Run the cases that are not there yet, `jobs` at a time. Ctrl-C, SIGTERM and SIGHUP raise KeyboardInterrupt with what
+    is done kept and no worker left."""
+    there = [case for case in cases if is_done(place(out, case))]
+    open_cases = [case for case in cases if case not in there]
+    outcomes = [_measured(case, out, kept=True) for case in there]
+    threads = max(1, thread_count(0) // jobs)
+    work = [forecast(case.scene, threads).seconds for case in open_cases]
+    with _progress(console) as bar, heard_between_steps() as stop_if_asked:
+        task = bar.add_task(f"{len(outcomes)} of {len(cases)} runs were there", total=sum(work) or None)
+        orders = [(case.scene.to_dict(), str(place(out, case)), threads) for case in open_cases]
+        for n, fault in run_apart(_run, orders, jobs, stop_if_asked):
+            case = open_cases[n]
+            outcomes.append(Outcome(case, None, fault) if fault else _measured(case, out))
+            failed = sum(bool(o.fault) for o in outcomes)
+            bar.update(
+                task,
+                advance=work[n],
+                description=f"{len(outcomes)} of {len(cases)} runs"
+                + (f", {failed} failed" if failed else ""),
+            )
+            bar.console.print(literal(f"{case.label}: {outcomes[-1].fault or _short(outcomes[-1].result)}"))
+    return sorted(outcomes, key=lambda o: cases.index(o.case))
+
+
+def _measured(case: Case, out: Path, *, kept: bool = False) -> Outcome:
+    """Measure a run; why that cannot be done is its fault."""
+    try:
+        return Outcome(case, measure_run(place(out, case)), kept=kept)
+    except PockmarkError as error:
+        return Outcome(case, None, str(error), kept=kept)
+
+
+def place(out: Path, case: Case) -> Path:
+    """Return the run's folder."""
+    return out / case.scene.hash
+
+
+def is_done(folder: Path) -> bool:
+    """Return whether a finished run of this version and this physics is there."""
+    try:
+        manifest = RunFolder.open(folder).manifest()
+    except PockmarkError:
+        return False
+    made_by = manifest.get("pockmark"), manifest.get("physics")
+    return manifest["status"] == "finished" and made_by == (__version__, PHYSICS)
+
+
+def summary(outcomes: Sequence[Outcome], title: str) -> Table:
+    """Return a row for each run."""
+    table = Table("run", "C_p (um)", "D_c (um)", "E_i^r", "", title=literal(title, "table.title"))
+    for outcome in outcomes:
+        crater, energy = (outcome.result or {}).get("crater", {}), (outcome.result or {}).get("energy", {})
+        shown = [_in_um(crater.get("depth")), _in_um(crater.get("diameter"))]
+        residual = energy.get("residual_internal")
+        shown.append("-" if residual is None else f"{residual:.4f}")
+        said = outcome.fault or ("was there" if outcome.kept else "")
+        table.add_row(literal(outcome.case.label), *shown, literal(said))
+    return table
+
+
+def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: Sequence[Case] = ()) -> int:
+    """Write one row a run of those in `out`: swept keys, groups, every measure (SI), and what made it.
+
+    Rows of the campaign's other runs stay if they are of this version and physics. Returns how many were older and went.
+    """
+    rows: list[Mapping[str, Any]] = [
+        outcome.case.swept
+        | {"groups": " ".join(outcome.case.groups), "fault": outcome.fault, "scene": outcome.case.scene.hash}
+        | dict(_flat(outcome.result or {}))
+        | _made_by(place(out, outcome.case))
+        for outcome in outcomes
+    ]
+    order = {case.scene.hash: i for i, case in enumerate(campaign)}
+    others = _rows_of_others(path, order.keys() - {outcome.case.scene.hash for outcome in outcomes})
+    kept = [row for row in others if (row.get("version"), row.get("physics")) == (__version__, str(PHYSICS))]
+    rows = sorted([*rows, *kept], key=lambda row: order.get(row["scene"], 0))
+    columns = dict.fromkeys(key for row in rows for key in row)
+    with told(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    with (
+        replaced(path) as descriptor,
+        open(descriptor, "w", newline="", encoding="utf-8", closefd=False) as file,
+    ):
+        writer = csv.DictWriter(file, list(columns), restval="")
+        writer.writeheader()
+        writer.writerows(rows)
+    return len(others) - len(kept)
+
+
+def _rows_of_others(path: Path, others: Set[str]) -> list[dict[str, str]]:
+    if not path.exists():
+        return []
+    with told(path), path.open(newline="", encoding="utf-8") as file:
+        try:
+            return [row for row in csv.DictReader(file) if row.get("scene") in others]
+        except (csv.Error, UnicodeDecodeError) as error:
+            raise PockmarkError(f"{path}: is not a table of pockmark's ({error})") from None
+
+
+def make_report(script: Path, table: Path, runs: Path) -> None:
+    """Run a campaign's own script, which draws beside the table. Raises PockmarkError if it fails."""
+    done = subprocess.run(
+        [sys.executable, str(script), str(table), str(runs), str(table.parent)], check=False
+    )
+    if done.returncode:
+        raise PockmarkError(f"{script}: failed; {table} and the runs are kept")
+
+
+def _made_by(folder: Path) -> dict[str, str]:
+    """Return what made a run: it may be older than what measures it. Empty for one that never began."""
+    try:
+        manifest = RunFolder(folder).manifest()
+    except PockmarkError:
+        manifest = {}
+    names = {"version": "pockmark", "physics": "physics", "commit": "commit"}
+    return {column: str(manifest.get(key) or "") for column, key in names.items()}
+
+
+def _run(scene: dict[str, Any], folder: str, threads: int) -> str:
+    """Run a scene in a process of its own; return why it failed, or an empty text."""
+    try:
+        # Coarse runs are a campaign's own business: it sweeps the resolution, and its quick form is coarse on purpose.
+        _, finished = run_scene(
+            Scene.from_dict(scene), folder, threads=threads, force=True, progress=False, coarse=True
+        )
+    except PockmarkError as error:
+        return str(error).removeprefix(f"{folder}: ")
+    return "" if finished else "interrupted"
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+        console=console,
+    )
+
+
+def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Give ("crater.depth", 1.5e-5), ...; tables within the table, such as a group's craters one by one, are left out."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}.")
+        elif not (isinstance(value, list) and value and isinstance(value[0], Mapping)):
+            yield f"{prefix}{key}", value
+
+
+def _short(result: Mapping[str, Any] | None) -> str:
+    crater = (result or {}).get("crater", {})
+    return f"C_p {_in_um(crater.get('depth'))} um, D_c {_in_um(crater.get('diameter'))} um"
+
+
+def _in_um(value: float | None) -> str:
+    return "-" if value is None else f"{value * 1e6:.2f}"

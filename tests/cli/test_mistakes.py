@@ -1,0 +1,342 @@
+"""What a user's slip, a full disk or a torn file may do: one sentence, and nothing of the user's lost."""
+
+import json
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pockmark import PockmarkError, Scene, Simulation, measure
+from pockmark.run.pipeline import run_scene
+from pockmark.run.stop import heard_between_steps
+from pockmark.run.store import RunFolder, Snapshot
+from pockmark.scene.forecast import forecast
+
+QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
+ALUMINIUM = "materials.al2024-liu2015"
+
+SLIPS = [
+    ("grid.lower=[nan, 0.0, 0.0]", "grid.lower[0]: found nan, expected a finite number"),
+    ("grid.upper=['inf m', '50 um', '30 um']", "grid.upper[0]: found 'inf m', expected a finite number"),
+    ("grid.cell=1e-30", "grid: a cell of 1e-30 m makes"),
+    ("end_time=inf", "end_time: found inf"),
+    ("impact.speed=inf", "impact.speed: found inf"),
+    ("title='\udcff'", "found '\\udcff' in a text, expected Unicode"),
+    ("grid.cell=1e-99", "grid: a cell of 1e-99 m makes"),
+    ("grid.cell=1e-300", "grid.cell: found 1e-300, nearer to 0 than any quantity: write 0"),
+    (f"{ALUMINIUM}.viscosity.linear=6e-302", "viscosity.linear: found 6e-302, nearer to 0 than any quantity"),
+    ("grid.upper=['50 um', '50 um', '1e9 um']", "grid: a cell of 5e-06 m makes"),
+    (f"end_time={'9' * 400}", "end_time: found 9999"),
+    (
+        "body.1.spacing='1e-6 um'",
+        "body[1] 'projectile': a spacing of 1e-12 m makes 4.19e+21 points, at most 4294967294 fit",
+    ),
+    ("body.0.spacing=1e-99", "body[0] 'target': a spacing of 1e-99 m makes"),
+    ("body.1.spacing='30 um'", "body[1] 'projectile': a spacing of 3e-05 m leaves it without points"),
+    (
+        "body.0={name='t', shape='block', lower=['-50 um', '0 um', '-50 um'], upper=['50 um', '50 um', '0 um'], "
+        "spacing='200 um', material='al2024-liu2015', rounded=true}",
+        "body[0] 't': a spacing of 0.0002 m leaves it without points",
+    ),
+    (f"{ALUMINIUM}.density=1e-300", f"{ALUMINIUM}.density: found 1e-300, allowed is 1 to 30000 kg/m^3"),
+    ("end_time='1000 s'", "steps with waves of"),
+    (
+        "output.history='1e-9 ns'",
+        "output.history: found 1e-18 s, at least end_time/1e+06 = 6e-14 s is needed",
+    ),
+    ("output.snapshots=1e-99", "output.snapshots: found 1e-99 s"),
+    ("contact.friction=11", "contact.friction: found 11, input should be less than or equal to 10"),
+    ("contact.friction=-0.1", "contact.friction: found -0.1, input should be greater than or equal to 0"),
+    ("contact=3", "contact: found 3, expected a table"),
+    ("materials=3", "materials: found 3, expected a table"),
+    (f"{ALUMINIUM}=3", f"{ALUMINIUM}: found 3, expected a table"),
+    (f"{ALUMINIUM}.based_on=['a']", f"{ALUMINIUM}.based_on: found"),
+    (f"{ALUMINIUM}.thermal.melt_temperature='200 K'", "t_melt must exceed t_room"),
+    (f"{ALUMINIUM}.failure.triaxiality_min=5", "triaxiality_max must exceed triaxiality_min"),
+]
+
+
+@pytest.mark.parametrize(("override", "sentence"), SLIPS)
+def test_a_slip_is_one_sentence(override, sentence):
+    with pytest.raises(PockmarkError) as caught:
+        Scene.load(QUICK, [override])
+    message = str(caught.value)
+    print(message)
+    assert message.startswith(f"{QUICK}: ")
+    assert sentence in message
+    assert "\n" not in message
+
+
+def test_bodies_are_not_too_many():
+    table = Scene.load(QUICK).to_dict()
+    table["body"] = [table["body"][0] | {"name": str(i)} for i in range(256)]
+    with pytest.raises(PockmarkError, match="scene: body: found 256 bodies, at most 255 are allowed"):
+        Scene.from_dict(table)
+
+
+@pytest.mark.parametrize("threads", [-1, 100_000, 10**30])
+def test_threads_are_bounded(threads):
+    with pytest.raises(PockmarkError, match=f"threads: found {threads}, allowed are 1 to "):
+        Simulation(Scene.load(QUICK), threads)
+
+
+WITHOUT_OPTIONS = '{"scene_hash": "0", "run": {}, "options": {}, "ledger": {}, "counters": {}}'
+
+
+def test_another_model_replaces_the_library_s():
+    elastic = f"{ALUMINIUM}.strength={{model='elastic', shear_modulus='27 GPa'}}"
+    scene = Scene.load(QUICK, [elastic, f"{ALUMINIUM}.failure.treatment=inactive"])
+    assert scene.materials["al2024-liu2015"].strength.model == "elastic"
+
+
+def test_check_tells_what_was_fitted_or_rounded():
+    """A spacing that does not divide a size gets smaller, or, rounded, changes the mass."""
+    scene = Scene.load(QUICK).to_dict()
+    scene["body"][0]["spacing"] = 1.45e-6  # 50 um: 34.5 layers
+    for rounded, sentence in (
+        (False, "body[0] 'target': its points lie 1.429 um apart, not 1.45 um, so that a whole number fits"),
+        (True, "body[0] 'target': rounded to whole spacings, it has 0.973 times the mass"),
+    ):
+        scene["body"][0]["rounded"] = rounded
+        said = forecast(Scene.from_dict(scene), 1).warnings
+        print(said)
+        assert any(sentence in w for w in said)
+    assert not any("target" in w for w in forecast(Scene.load(QUICK), 1).warnings if "apart" in w)
+
+
+def test_force_spares_what_is_not_pockmarks(tmp_path):
+    scene, folder = Scene.load(QUICK), tmp_path / "run"
+    RunFolder.create(folder, scene).release()
+    (folder / "notes.txt").write_text("mine")
+    (folder / "snapshot-0000.vtkhdf").write_bytes(b"old")
+    with pytest.raises(PockmarkError, match="--force"):
+        RunFolder.create(folder, scene)
+    RunFolder.create(folder, scene, force=True).release()
+    assert sorted(p.name for p in folder.iterdir()) == ["manifest.json", "notes.txt", "scene.toml"]
+
+
+def test_force_does_not_take_a_strangers_manifest_for_a_run(tmp_path):
+    (tmp_path / "manifest.json").write_text('{"name": "my web page"}')
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(PockmarkError, match="holds no run"):
+        RunFolder.create(tmp_path, Scene.load(QUICK), force=True)
+    assert (tmp_path / "thesis.tex").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    "manifest", ["", "[1]", "{}", '{"scene_hash": "0"}', WITHOUT_OPTIONS, WITHOUT_OPTIONS.replace("{}", "3")]
+)
+def test_a_torn_manifest_is_told(manifest, tmp_path):
+    Scene.load(QUICK).save(tmp_path / "scene.toml")
+    (tmp_path / "manifest.json").write_text(manifest)
+    with pytest.raises(PockmarkError) as caught:
+        measure(tmp_path)
+    assert str(tmp_path) in str(caught.value)
+
+
+def _finished(folder):
+    (folder / "manifest.json").write_text('{"scene_hash": "0", "status": "finished"}')
+
+
+@pytest.mark.parametrize("text", ["", "time,error\n", "time,error\n1,2\n3\n", "time,error\n1,x\n"])
+def test_a_torn_history_is_told(text, tmp_path):
+    _finished(tmp_path)
+    (tmp_path / "history.csv").write_text(text)
+    with pytest.raises(PockmarkError, match=r"history\.csv: is empty or torn"):
+        RunFolder(tmp_path).history()
+
+
+def test_a_history_without_a_column_is_told(tmp_path):
+    _finished(tmp_path)
+    (tmp_path / "history.csv").write_text("time,depth\n1,2\n")
+    with pytest.raises(PockmarkError, match=r"history\.csv: lacks the column error"):
+        RunFolder(tmp_path).history("time", "error")
+
+
+def test_a_strangers_hdf5_file_is_told(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["a"] = 1
+    with pytest.raises(PockmarkError, match="is not a snapshot"):
+        Snapshot(tmp_path / "other.h5")
+
+
+def _short(output, *more, **kwargs):
+    command = [
+        sys.executable,
+        "-m",
+        "pockmark",
+        "run",
+        QUICK,
+        "-o",
+        output,
+        "--quiet",
+        "--threads",
+        "1",
+        *more,
+    ]
+    return subprocess.Popen(
+        list(map(str, command)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **kwargs
+    )
+
+
+def _small_files():
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, 500_000))
+
+
+def test_a_full_disk_is_one_sentence_and_leaves_no_half_file(tmp_path):
+    run = _short(tmp_path / "run", "--set", "end_time='1 ns'", preexec_fn=_small_files)
+    _, said = run.communicate(timeout=60)
+    print(said)
+    assert run.returncode == 2
+    assert len(said.strip().splitlines()) == 1
+    assert "snapshot-0000.vtkhdf: cannot be written (File too large)" in said
+    assert sorted(p.name for p in (tmp_path / "run").iterdir()) == [
+        "history.csv",
+        "manifest.json",
+        "scene.toml",
+    ]
+    assert json.loads((tmp_path / "run" / "manifest.json").read_text())["status"] == "failed"
+
+
+def _hear_ctrl_c():
+    """In a process that is started: where tests run in the background, it may be ignored."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def _python_that_hears_ctrl_c(code, *arguments):
+    return subprocess.run(
+        [sys.executable, "-c", code, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        preexec_fn=_hear_ctrl_c,
+    )
+
+
+@pytest.mark.parametrize(
+    "signals", [[signal.SIGINT], [signal.SIGTERM], [signal.SIGHUP], [signal.SIGINT] * 3], ids=str
+)
+def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
+    folder = tmp_path / "run"
+    run = _short(
+        folder,
+        "--set",
+        "end_time='10 us'",
+        preexec_fn=_hear_ctrl_c,
+    )
+    deadline = time.monotonic() + 60
+    while not list(folder.glob("snapshot-0001.vtkhdf")) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    for number in signals:
+        run.send_signal(number)
+        time.sleep(0.01)
+    out, said = run.communicate(timeout=60)
+    print(out, said)
+    assert run.returncode == 130
+    assert said == ""
+    assert RunFolder.open(folder).manifest()["status"] == "interrupted"
+    assert 0 < measure(folder)["run"]["time"] < 10e-6
+
+
+PRESSES_CTRL_C_ALL_THE_WAY = """
+import os, signal
+from pockmark.run import simulation
+from pockmark.cli import run as cli
+from pockmark.__main__ import main
+def pressing(name):
+    function = getattr(cli, name)
+    def press(*args, **kwargs):
+        os.kill(os.getpid(), signal.SIGINT)
+        return function(*args, **kwargs)
+    setattr(cli, name, press)
+pressing("measure_run")
+pressing("plot_run")
+run = simulation.Simulation.run
+def press(self, tasks, watch):
+    def watch_and_press(simulation):
+        if simulation.steps > 4:
+            os.kill(os.getpid(), signal.SIGINT)
+        watch(simulation)
+    run(self, tasks, watch=watch_and_press)
+simulation.Simulation.run = press
+main()
+"""
+
+
+def test_ctrl_c_while_an_interrupted_run_is_measured_and_drawn_loses_nothing(tmp_path):
+    folder = tmp_path / "run"
+    run = _python_that_hears_ctrl_c(PRESSES_CTRL_C_ALL_THE_WAY, "run", QUICK, "-o", folder, "--quiet")
+    assert run.stderr == ""
+    assert run.returncode == 130
+    assert "interrupted: what was computed is kept" in run.stdout
+    assert {"crater.png", "history.png"} <= {p.name for p in folder.iterdir()}
+
+
+PRESSES_CTRL_C_WHILE_THE_POINTS_ARE_LAID = """
+import os, signal
+from pockmark.run import pipeline as run
+from pockmark.__main__ import main
+made = run.Simulation
+def press(*args):
+    os.kill(os.getpid(), signal.SIGINT)
+    return made(*args)
+run.Simulation = press
+main()
+"""
+
+
+def test_ctrl_c_before_the_first_step_keeps_the_run_that_force_would_replace(tmp_path):
+    kept, _ = run_scene(Scene.load(QUICK, ["end_time='4 ns'"]), tmp_path / "run", threads=1, progress=False)
+    run = _python_that_hears_ctrl_c(
+        PRESSES_CTRL_C_WHILE_THE_POINTS_ARE_LAID, "run", QUICK, "-o", kept.path, "--force", "--quiet"
+    )
+    assert (run.returncode, run.stderr) == (130, "")
+    assert kept.manifest()["status"] == "finished"
+
+
+def test_sigterm_before_the_first_step_is_heard_where_ctrl_c_is_ignored():
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # as under nohup
+    try:
+        with heard_between_steps():
+            signal.raise_signal(signal.SIGTERM)
+            with heard_between_steps() as stop_if_asked, pytest.raises(KeyboardInterrupt):
+                stop_if_asked()
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED = """
+import os, signal, sys
+class Finder:
+    def find_spec(self, name, *rest):
+        if name == "numpy":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+from pockmark.__main__ import main
+main()
+"""
+
+
+def test_ctrl_c_during_the_imports_says_nothing():
+    run = _python_that_hears_ctrl_c(PRESSES_CTRL_C_WHILE_NUMPY_IS_IMPORTED)
+    assert run.returncode == -signal.SIGINT
+    assert run.stderr == ""
+
+
+def test_measure_tells_the_largest_ledger_error(tmp_path):
+    folder, _ = run_scene(Scene.load(QUICK, ["end_time='4 ns'"]), tmp_path / "run", threads=1, progress=False)
+    history, energy = folder.history(), measure(folder.path)["energy"]
+    assert energy["ledger_error_max"] == np.abs(history["error"]).max() / history["initial"][0]
+    assert energy["ledger_error_max"] >= abs(energy["ledger_error"]) * (1 - 1e-9)
+
+
+def test_contact_needs_two_sides():
+    with pytest.raises(PockmarkError, match="contact: needs a body with projectile = true and one without"):
+        Scene.load(QUICK, ["contact.friction=0.3", "body.projectile.projectile=false"])
