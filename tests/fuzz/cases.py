@@ -11,12 +11,13 @@ from impacts import impact
 from judge import Verdict, absurd, answer, command, faults_of_command, faults_of_forecast
 from physics import impossible_history, impossible_points, impossible_result
 
-from pockmark import Scene, campaign
+from pockmark import Scene
 from pockmark.run.measured import measure_run
 from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.store import RunFolder, Snapshot, to_json
 from pockmark.scene.forecast import forecast
+from pockmark.study import campaign
 from pockmark.view.report import report
 
 COMMANDS = 3  # one case in so many goes through the command line too

@@ -1,7 +1,6 @@
 """Hostile scenes and campaigns, each made from its seed alone: good ones with a few things wrong."""
 
 import copy
-import json
 import random
 import re
 import tomllib
@@ -10,6 +9,8 @@ from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 from typing import Any
+
+from toml_text import Raw, text_of, to_toml
 
 EXAMPLES = [path.read_bytes() for path in sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))]
 # Every table that the examples leave out.
@@ -43,17 +44,9 @@ RANDOM_SWARM: dict[str, Any] = {
     "projectile": True,
 }
 TUBE: dict[str, Any] = {
-    "name": "tube",
-    "shape": "cylinder",
-    "axis": "x",
-    "center": ["0 um", "0 um"],
-    "gap": "0 um",
-    "radius": "8 um",
-    "inner_radius": "4 um",
-    "length": "20 um",
-    "velocity": ["0 m/s", "0 m/s", "-2 km/s"],
-    "spacing": "1.25 um",
-    "material": "mine",
+    **{"name": "tube", "shape": "cylinder", "axis": "x", "center": ["0 um", "0 um"], "gap": "0 um"},
+    **{"radius": "8 um", "inner_radius": "4 um", "length": "20 um", "spacing": "1.25 um"},
+    **{"velocity": ["0 m/s", "0 m/s", "-2 km/s"], "material": "mine"},
 }
 CAMPAIGN: dict[str, Any] = {
     "title": "a campaign",
@@ -81,10 +74,6 @@ MANY_RUNS = {
         ("impact.angle", 0.02),
     )
 }
-
-
-class Raw(str):
-    """A value as it stands in a TOML file, too deep to be built and copied as lists."""
 
 
 DEEP = 3000
@@ -174,7 +163,7 @@ def _wrong_overrides(rng: random.Random) -> HostileScene:
         if rng.random() < 0.2:
             path = path.replace(".", rng.choice(["..", " . ", "", "=", ".\x1b."]), 1)
         value = _hostile(rng)
-        shown = value if isinstance(value, str) and rng.random() < 0.5 else _value(value)
+        shown = value if isinstance(value, str) and rng.random() < 0.5 else text_of(value)
         texts.append(rng.choice(["{}={}", "{}={}", "{} = {}", "{}{}", "={}{}", "{}='{}"]).format(path, shown))
     return HostileScene(to_toml(table).encode(), tuple(texts))
 
@@ -304,24 +293,3 @@ def _damaged(rng: random.Random, text: bytes) -> bytes:
             )
         )
     return text
-
-
-def to_toml(table: Table) -> str:
-    """Return the table as TOML, a line a key: what is wrong in it stays as it is."""
-    return "".join(f"{_text(key)} = {_value(value)}\n" for key, value in table.items())
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_text(k)} = {_value(v)}" for k, v in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_value, value)) + "]"
-    if isinstance(value, Raw):
-        return str(value)
-    if isinstance(value, bool):
-        return str(value).lower()
-    return _text(value) if isinstance(value, str) else str(value)
-
-
-def _text(text: str) -> str:
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -35,7 +35,7 @@ def first_wall(scene: Scene) -> Wall | None:
 
 
 def _is_at_zero(body: Solid) -> bool:
-    return body.level is not None and abs(body.level) <= body.spacing / 2
+    return body.flat_top is not None and abs(body.flat_top) <= body.spacing / 2
 
 
 def _touch(a: Solid, b: Solid) -> bool:

@@ -117,7 +117,7 @@ def _crater_warnings(scene: Scene) -> list[str]:
     for i in scene.targets:
         body = scene.body[i]
         depth = predicted_depth(scene, scene.materials[body.material])
-        if body.level is None or depth is None:
+        if body.flat_top is None or depth is None:
             continue
         settled = max(settled, settling_time(depth, scene.materials[body.material]))
         if depth > body.diameter / 2:

@@ -79,7 +79,7 @@ class Balls(Solid):
         return self.diameter
 
     @property
-    def seeds(self) -> Array:
+    def starts(self) -> Array:
         """Centres of the balls (n, 3), m."""
         return np.array(self.places)
 

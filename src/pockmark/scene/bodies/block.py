@@ -65,7 +65,7 @@ class Block(Solid):
         return self.fits[2].length
 
     @property
-    def level(self) -> float:
+    def flat_top(self) -> float:
         """Height of its top, m."""
         return self.upper[2]
 

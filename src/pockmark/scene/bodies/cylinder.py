@@ -12,7 +12,7 @@ from ...base.units import Length
 from .lattice import half_integers
 from .shape import EVERYWHERE, NOISE, Array, Box, Fit, Solid, Vector
 
-SEEDS = 5, 24, 9  # places across the wall, around and along, that an overlap is looked for from
+STARTS = 5, 24, 9  # places across the wall, around and along, that an overlap is looked for from
 
 
 class Cylinder(Solid):
@@ -105,10 +105,10 @@ class Cylinder(Solid):
         return "fewer than 2 points through the cylinder's wall" if number - self._inner < 2 - NOISE else ""
 
     @property
-    def seeds(self) -> Array:
+    def starts(self) -> Array:
         """Places in its wall (n, 3), m: between its inner and outer faces, around and along it."""
         radial, half = self.fits
-        across, around, along = SEEDS
+        across, around, along = STARTS
         radius = np.linspace(self._inner * radial.pitch, radial.length, across)
         angle = np.arange(around) * 2 * math.pi / around
         r, a, w = (

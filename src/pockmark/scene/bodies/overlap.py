@@ -21,11 +21,11 @@ def overlap(a: Solid, b: Solid) -> bool:
 
 
 def _reaches(a: Solid, b: Solid) -> bool:
-    """Return whether a place in both is found from the seeds of the first: to the nearest place in the other, and back, and so on.
+    """Return whether a place in both is found from the starts of the first: to the nearest place in the other, and back, and so on.
 
     Between convex shapes that finds one wherever there is one; for a block and balls, or balls and balls, at the first turn.
     """
-    here = a.seeds
+    here = a.starts
     for _ in range(TURNS):
         there = b.nearest(here)
         back = a.nearest(there)

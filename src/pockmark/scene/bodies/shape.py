@@ -118,7 +118,7 @@ class Solid(Model):
     # What a shape may give.
 
     @property
-    def seeds(self) -> Array:
+    def starts(self) -> Array:
         """Places in it (n, 3), m, that an overlap with another body is looked for from; enough where they reach it by nearest()."""
         return np.asarray(np.mean(self.box, axis=0, keepdims=True))
 
@@ -138,7 +138,7 @@ class Solid(Model):
         return None
 
     @property
-    def level(self) -> float | None:
+    def flat_top(self) -> float | None:
         """Height (m) of its level top, if its sides are those of its box: a crater can be measured in it."""
         return None
 
