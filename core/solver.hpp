@@ -64,8 +64,8 @@ class Solver {
     T lightest = std::numeric_limits<T>::max();
     for (const auto& m : materials_) {
       dampers_.push_back(
-          {m.density() * m.dilatational_speed(), m.density() * m.shear_speed(), m.specific_volume});
-      lightest = std::min(lightest, m.density());
+          {m.density * m.dilatational_speed(), m.density * m.shear_speed(), m.specific_volume});
+      lightest = std::min(lightest, m.density);
     }
     const double cell_mass = double(lightest) * std::pow(double(geometry.cell), 3);
     mass_unit_ = std::exp2(std::round(std::log2(cell_mass)));
@@ -183,10 +183,9 @@ class Solver {
     const T trial = effective(point.deviator);
     if (trial <= T(0) || point.damage >= T(1)) return point.deviator;
     const auto& m = materials_[points_.body[p]];
-    const T strain = m.strength.visit([&](const auto& law) {
-      return law.return_map(trial, point.plastic_strain, point.temperature, T(dt_)).strain_increment;
-    });
-    return ((trial - T(3) * m.shear_modulus() * strain) / trial) * point.deviator;
+    const auto conditions = conditions_of(point);
+    const T strain = m.return_map(trial, point.plastic_strain, conditions, T(dt_)).strain_increment;
+    return ((trial - T(3) * m.shear(conditions) * strain) / trial) * point.deviator;
   }
 
   // f(tile, block) for every block, in parallel; those at work at a time share no node.

@@ -12,6 +12,7 @@ IMPOSSIBLE = {
     "negative_temperatures": "were colder than 0 K",
     "eos_caps": "were compressed to the limit of their equation of state",
     "return_failures": "did not return to the yield surface",
+    "eos_failures": "had an energy and a pressure that did not agree",
     "lost_points": "left through a symmetry or fixed face",
 }
 LEDGER_LIMIT = 0.01  # of the initial energy
