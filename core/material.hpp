@@ -5,6 +5,7 @@
 #include "eos/energy.hpp"
 #include "eos/linear.hpp"
 #include "eos/mie_gruneisen.hpp"
+#include "eos/tillotson.hpp"
 #include "failure/failure.hpp"
 #include "failure/johnson_cook.hpp"
 #include "one_of.hpp"
@@ -26,7 +27,7 @@ using FailureList = OneOf<Laws<T>...>;
 
 // The closed lists. A new law: its file, and its name here. The first of a list is the quickest to reach.
 template <class T>
-using Eos = EosList<T, MieGruneisen, LinearEos>;
+using Eos = EosList<T, MieGruneisen, LinearEos, Tillotson>;
 template <class T>
 using Strength = StrengthList<T, JohnsonCook, Elastic, Fluid>;
 template <class T>
