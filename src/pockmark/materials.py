@@ -1,5 +1,6 @@
 """Materials: what a user writes, the cited library, and the core's material."""
 
+import difflib
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -238,13 +239,18 @@ def complete(name: str, written: Any, user: str = "") -> Any:
     base = changes.pop("based_on", name if name in library() else None)
     if base is None:
         if written is None:
-            known = ", ".join(sorted(library()))
             raise PockmarkError(
-                f"{user}: {found(name)}, which is neither in the scene nor in the library ({known})"
+                f"{user}: {found(name)}, which is neither in the scene nor in the library ({_nearest(name)})"
             )
         return changes
     if not isinstance(base, str) or base not in library():
         raise PockmarkError(
-            f"materials.{name}.based_on: {found(base)}, expected one of {', '.join(library())}"
+            f"materials.{name}.based_on: {found(base)}, expected one of the library ({_nearest(str(base))})"
         )
     return merge(library()[base], changes)
+
+
+def _nearest(name: str) -> str:
+    """Return the names of the library that are most like one, and how many there are besides."""
+    near = difflib.get_close_matches(name[:100], library(), n=3, cutoff=0.0)
+    return f"{', '.join(near)} and {len(library()) - len(near)} more"
