@@ -12,6 +12,7 @@
 #include "strength/johnson_cook.hpp"
 #include "strength/return_map.hpp"
 #include "strength/simple.hpp"
+#include "strength/steinberg_guinan.hpp"
 
 namespace pockmark {
 
@@ -29,7 +30,7 @@ using FailureList = OneOf<Laws<T>...>;
 template <class T>
 using Eos = EosList<T, MieGruneisen, LinearEos, Tillotson>;
 template <class T>
-using Strength = StrengthList<T, JohnsonCook, Elastic, Fluid>;
+using Strength = StrengthList<T, JohnsonCook, Elastic, Fluid, SteinbergGuinan>;
 template <class T>
 using Failure = FailureList<T, JohnsonCookFailure, NoFailure>;
 
