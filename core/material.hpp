@@ -8,6 +8,7 @@
 #include "eos/tillotson.hpp"
 #include "failure/failure.hpp"
 #include "failure/johnson_cook.hpp"
+#include "failure/spall.hpp"
 #include "one_of.hpp"
 #include "strength/johnson_cook.hpp"
 #include "strength/return_map.hpp"
@@ -32,7 +33,7 @@ using Eos = EosList<T, MieGruneisen, LinearEos, Tillotson>;
 template <class T>
 using Strength = StrengthList<T, JohnsonCook, Elastic, Fluid, SteinbergGuinan>;
 template <class T>
-using Failure = FailureList<T, JohnsonCookFailure, NoFailure>;
+using Failure = FailureList<T, JohnsonCookFailure, NoFailure, Spall>;
 
 template <class T>
 struct Material {
