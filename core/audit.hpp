@@ -17,6 +17,7 @@ enum class Counter {
   failure_treatments,    // plastic steps in which the failure treatment changed the law
   eos_caps,              // compression capped short of the pole of the Hugoniot
   return_failures,       // radial return not converged
+  eos_failures,          // energy and pressure of a step not converged
   node_cutoffs,          // nodes lighter than the cut-off: force scaled down
   strain_limited_steps,  // steps set by the strain increment, not by the fastest wave
   // States that no material can be in: steps of a point.
@@ -24,10 +25,10 @@ enum class Counter {
   negative_volumes,       // V <= 0
   negative_temperatures,  // T < 0 K
 };
-inline constexpr std::array counter_names{"left_points",       "lost_points",        "failed_points",
-                                          "melted_points",     "failure_treatments", "eos_caps",
-                                          "return_failures",   "node_cutoffs",       "strain_limited_steps",
-                                          "negative_energies", "negative_volumes",   "negative_temperatures"};
+inline constexpr std::array counter_names{
+    "left_points",       "lost_points",      "failed_points",        "melted_points", "failure_treatments",
+    "eos_caps",          "return_failures",  "eos_failures",         "node_cutoffs",  "strain_limited_steps",
+    "negative_energies", "negative_volumes", "negative_temperatures"};
 
 // Of one pack of points after another; added to an Audit every few hundred points.
 template <class V>

@@ -4,14 +4,13 @@
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/string.h>
-#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 #include <limits>
 #include <stdexcept>
-#include <variant>
 
 #include "bandwidth.hpp"
+#include "bind_materials.hpp"
 #include "cpu/driver.hpp"
 #include "method/solver.hpp"
 #include "plain/driver.hpp"
@@ -33,36 +32,6 @@ using CpuDriver = cpu::Driver<T, T>;
 #endif
 
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
-
-// A material as Python writes it; converted to the solver's precision on the way in.
-struct MaterialSpec {
-  std::variant<MieGruneisen<double>, LinearEos<double>> eos;
-  std::variant<JohnsonCook<double>, Elastic<double>, Fluid<double>> strength;
-  std::variant<NoFailure<double>, JohnsonCookFailure<double>> failure;
-  double specific_heat, taylor_quinney, t_room, t_melt, q_quadratic, q_linear;
-
-  template <class T>
-  Material<T> as() const {
-    Material<T> m{};
-    std::visit([&]<template <class> class Model>(const Model<double>& e) { m.eos = Model<T>(e); }, eos);
-    std::visit([&]<template <class> class Model>(const Model<double>& s) { m.strength = Model<T>(s); },
-               strength);
-    std::visit([&]<template <class> class Model>(const Model<double>& f) { m.failure = Model<T>(f); },
-               failure);
-    m.specific_heat = T(specific_heat), m.taylor_quinney = T(taylor_quinney);
-    m.t_room = T(t_room), m.t_melt = T(t_melt);
-    m.q_quadratic = T(q_quadratic), m.q_linear = T(q_linear);
-    m.specific_volume = T(1) / m.density();
-    m.least_energy = T(-0.001) * m.density() * m.specific_heat * m.t_room;
-    return m;
-  }
-};
-
-template <class Model>
-void require_valid(const Model& model, const char* what) {
-  const std::string fault = model.check();
-  if (!fault.empty()) throw std::invalid_argument(std::string(what) + ": " + fault);
-}
 
 template <class V>
 nb::object to_array(std::vector<V> values, std::size_t dimensions, const std::size_t* shape) {
@@ -252,10 +221,10 @@ void add_points(Solver<D>& solver, const std::vector<MaterialSpec>& materials, D
     solver.place(p, {x[0], x[1], x[2]});
     for (int a = 0; a < 3; ++a) points.at(Field::velocity, a)[p] = T(velocity.data()[3 * i + a]);
     // Points at the density of their material are kept with V/V0 - 1 = 0 exactly: they have no stress at all.
-    const double density = materials[body.data()[i]].template as<double>().density();
+    const double density = materials[body.data()[i]].density;
     points.at(Field::mass)[p] = T(mass.data()[i] / solver.model().mass_unit);
     points.at(Field::dilation)[p] = T(volume.data()[i] * density / mass.data()[i] - 1);
-    points.at(Field::temperature)[p] = T(materials[body.data()[i]].t_room);
+    points.at(Field::temperature)[p] = T(materials[body.data()[i]].room_temperature);
     points.id[p] = std::uint32_t(p);
   }
 }
@@ -459,80 +428,7 @@ NB_MODULE(POCKMARK_MODULE, m) {
   nb::enum_<ShapeFunction>(m, "ShapeFunction")
       .value("trilinear", ShapeFunction::trilinear)
       .value("quadratic", ShapeFunction::quadratic);
-  nb::enum_<FailureTreatment>(m, "FailureTreatment")
-      .value("no_damage", FailureTreatment::no_damage)
-      .value("signed", FailureTreatment::signed_damage)
-      .value("floor", FailureTreatment::floor)
-      .value("clamp_triaxiality", FailureTreatment::clamp_triaxiality);
-
-  nb::class_<MieGruneisen<double>>(m, "MieGruneisen")
-      .def(
-          "__init__",
-          [](MieGruneisen<double>* self, double density, double c0, double s, double gamma0) {
-            new (self) MieGruneisen<double>(density, c0, s, gamma0);
-            require_valid(*self, "MieGruneisen");
-          },
-          "density"_a, "c0"_a, "s"_a, "gamma0"_a)
-      .def_ro("density", &MieGruneisen<double>::density)
-      .def_ro("c0", &MieGruneisen<double>::c0)
-      .def_ro("s", &MieGruneisen<double>::s)
-      .def_ro("gamma0", &MieGruneisen<double>::gamma0);
-  nb::class_<LinearEos<double>>(m, "LinearEos")
-      .def(
-          "__init__",
-          [](LinearEos<double>* self, double density, double bulk_modulus) {
-            new (self) LinearEos<double>(density, bulk_modulus);
-            require_valid(*self, "LinearEos");
-          },
-          "density"_a, "bulk_modulus"_a)
-      .def_ro("density", &LinearEos<double>::density)
-      .def_ro("bulk_modulus", &LinearEos<double>::bulk_modulus_);
-  nb::class_<Fluid<double>>(m, "Fluid").def(nb::init<>());
-  nb::class_<Elastic<double>>(m, "Elastic")
-      .def(
-          "__init__",
-          [](Elastic<double>* self, double g) {
-            new (self) Elastic<double>(g);
-            require_valid(*self, "Elastic");
-          },
-          "shear_modulus"_a)
-      .def_ro("shear_modulus", &Elastic<double>::shear_modulus);
-  nb::class_<JohnsonCook<double>>(m, "JohnsonCook")
-      .def(
-          "__init__",
-          [](JohnsonCook<double>* self, double g, double A, double B, double n, double C, double mm,
-             double rate, double t_room, double t_melt) {
-            new (self) JohnsonCook<double>(g, A, B, n, C, mm, rate, t_room, t_melt);
-            require_valid(*self, "JohnsonCook");
-          },
-          "shear_modulus"_a, "A"_a, "B"_a, "n"_a, "C"_a, "m"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a)
-      .def("flow_stress", &JohnsonCook<double>::flow_stress, "strain"_a, "rate"_a, "temperature"_a);
-  nb::class_<NoFailure<double>>(m, "NoFailure").def(nb::init<>());
-  nb::class_<JohnsonCookFailure<double>>(m, "JohnsonCookFailure")
-      .def(
-          "__init__",
-          [](JohnsonCookFailure<double>* self, double D1, double D2, double D3, double D4, double D5,
-             double rate, double t_room, double t_melt, FailureTreatment treatment, double floor, double low,
-             double high) {
-            new (self) JohnsonCookFailure<double>(D1, D2, D3, D4, D5, rate, t_room, t_melt, treatment, floor,
-                                                  low, high);
-            require_valid(*self, "JohnsonCookFailure");
-          },
-          "D1"_a, "D2"_a, "D3"_a, "D4"_a, "D5"_a, "reference_rate"_a, "t_room"_a, "t_melt"_a, "treatment"_a,
-          "floor"_a, "triaxiality_min"_a, "triaxiality_max"_a)
-      .def("failure_strain", &JohnsonCookFailure<double>::failure_strain<double>, "triaxiality"_a, "rate"_a,
-           "temperature"_a);
-  nb::class_<MaterialSpec>(m, "Material")
-      .def(
-          "__init__",
-          [](MaterialSpec* self, decltype(MaterialSpec::eos) eos, decltype(MaterialSpec::strength) strength,
-             decltype(MaterialSpec::failure) failure, double specific_heat, double taylor_quinney,
-             double t_room, double t_melt, double q_quadratic, double q_linear) {
-            new (self) MaterialSpec{eos,    strength, failure,     specific_heat, taylor_quinney,
-                                    t_room, t_melt,   q_quadratic, q_linear};
-          },
-          "eos"_a, "strength"_a, "failure"_a, "specific_heat"_a, "taylor_quinney"_a, "t_room"_a, "t_melt"_a,
-          "q_quadratic"_a, "q_linear"_a);
+  bind_materials(m);
   nb::class_<Options>(m, "Options")
       .def(
           "__init__",

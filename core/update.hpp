@@ -73,13 +73,14 @@ PM_HD PackList return_to_yield(const Points<T>& points, const Block& block, cons
   const auto one = [&](std::size_t p, int n) PM_INLINE {
     auto point = points.template state<V>(p, n);
     const V trial = effective(point.deviator);
-    take_back(p, n, point, trial, update.return_map(trial, point.plastic_strain, point.temperature));
+    take_back(p, n, point, trial,
+              update.material.return_map(trial, point.plastic_strain, conditions_of(point), update.step));
   };
   const auto two = [&](PackList::Entry first, PackList::Entry second) PM_INLINE {
     auto a = points.template state<V>(first.p, first.n), b = points.template state<V>(second.p, second.n);
     const Twice<V> trial{effective(a.deviator), effective(b.deviator)};
-    const auto [increment, converged] = update.return_map(trial, Twice<V>{a.plastic_strain, b.plastic_strain},
-                                                          Twice<V>{a.temperature, b.temperature});
+    const auto [increment, converged] = update.material.return_map(
+        trial, Twice<V>{a.plastic_strain, b.plastic_strain}, conditions_of(a, b), update.step);
     take_back(first.p, first.n, a, trial.a, {increment.a, converged.a});
     take_back(second.p, second.n, b, trial.b, {increment.b, converged.b});
   };
@@ -110,6 +111,10 @@ void update_stress(const Points<T>& points, const Material<T>* materials, T cell
       if (yields) may_yield.add(p, n);
     });
     const auto yield = return_to_yield(points, block, update, may_yield, plastic, tally);
+    // Those that the failure law looks at: where it needs no plastic flow, also others than those that yield.
+    const bool without_flow = material.fails_without_flow();
+    PackList loaded;
+    int next = 0;
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       Hints::template before<Pass::pressure>(points, p);
       auto point = points.template state<V>(p, n);
@@ -120,8 +125,13 @@ void update_stress(const Points<T>& points, const Material<T>* materials, T cell
       tally.note_speed(first_lanes<V>(n), c2, dot(v, v));
       points.store_pressed(p, point, n);
       store_push(push, p - block.begin, point, volume, n);
+      if (!without_flow) return;
+      const bool yields = next < yield.count && yield.entries[next].p == p;
+      next += yields;
+      if (!yields) plastic.store(0, p - block.begin, V(0), n);
+      if (yields || any(update.breaks(point, first_lanes<V>(n)))) loaded.add(p, n);
     });
-    yield.for_each([&](std::size_t p, int n) PM_INLINE {
+    (without_flow ? loaded : yield).for_each([&](std::size_t p, int n) PM_INLINE {
       auto point = points.template state<V>(p, n);
       const auto strain = load_strain<V>(strains, p - block.begin);
       const V increment = plastic.template load<V>(0, p - block.begin);

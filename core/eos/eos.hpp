@@ -1,7 +1,10 @@
-// What an equation of state is given, and what it gives the stress update: pressure as a linear function of
-// the energy.
+// The contract of an equation of state: pressure and its slopes at a compression and an energy. It may be any
+// function of both, a table among them.
 #pragma once
+#include <concepts>
+
 #include "../lanes.hpp"
+#include "../law.hpp"
 
 namespace pockmark {
 
@@ -11,26 +14,38 @@ struct Compression {
   V mu;     // rho/rho0 - 1
   V eta;    // 1 - rho0/rho
   V ratio;  // V/V0 = rho0/rho
-};
 
-// p = cold + thermal E at a given compression mu = rho/rho0 - 1 (Pa; E in J per m^3 of initial volume).
-// The slopes are by mu.
-template <class V>
-struct Isochore {
-  V cold, thermal, cold_slope, thermal_slope;
-  mask_t<V> capped = Pack<V>::mask(false);  // mu was limited
-
-  PM_HD V pressure(V energy) const { return cold + thermal * energy; }
-  // rho0 c^2, c^2 = dp/drho at constant entropy: dE = p rho0 drho / rho^2; ratio = V/V0.
-  PM_HD V stiffness(V p, V energy, V ratio) const {
-    return cold_slope + thermal_slope * energy + thermal * p * ratio * ratio;
+  // From V/V0 - 1, which keeps the digits of small strains.
+  PM_HD static Compression of(V dilation) {
+    const V ratio = V(1) + dilation;
+    return {-dilation * (V(1) / ratio), -dilation, ratio};
   }
 };
 
+// What a law gives at a compression and an energy (J per m^3 of initial volume).
+template <class V>
+struct EosPoint {
+  V pressure;                               // Pa
+  V by_mu, by_energy;                       // its slopes, each with the other held
+  mask_t<V> capped = Pack<V>::mask(false);  // the law limited the compression
+
+  // rho0 c^2, c^2 = dp/drho at constant entropy: dE = p rho0 drho / rho^2; p is the pressure that works.
+  PM_HD V stiffness(V p, V ratio) const { return by_mu + by_energy * p * ratio * ratio; }
+};
+
 template <class M, class V>
-PM_HD Isochore<V> select(M m, const Isochore<V>& a, const Isochore<V>& b) {
-  return {select(m, a.cold, b.cold), select(m, a.thermal, b.thermal), select(m, a.cold_slope, b.cold_slope),
-          select(m, a.thermal_slope, b.thermal_slope), (m && a.capped) || (!m && b.capped)};
+PM_HD EosPoint<V> select(M m, const EosPoint<V>& a, const EosPoint<V>& b) {
+  return {select(m, a.pressure, b.pressure), select(m, a.by_mu, b.by_mu), select(m, a.by_energy, b.by_energy),
+          (m && a.capped) || (!m && b.capped)};
 }
+
+// `linear_in_energy`: one correction of the energy is exact. Optional members, of the same arguments as `at`:
+// temperature (K) and phase (0 condensed, 1 partly vapour, 2 vapour), where the law knows them.
+template <class L, class V>
+concept EquationOfState = requires(const L law, const Compression<V> compression, V energy) {
+  { L::declaration } -> std::convertible_to<Declaration>;
+  { L::linear_in_energy } -> std::convertible_to<bool>;
+  { law.at(compression, energy) } -> std::same_as<EosPoint<V>>;
+};
 
 }  // namespace pockmark

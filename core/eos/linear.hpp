@@ -1,27 +1,28 @@
 // p = K mu: no thermal part. For exact elastic solutions.
 #pragma once
-#include <string>
+#include <array>
 
 #include "eos.hpp"
 
 namespace pockmark {
 
+inline constexpr std::array linear_eos_constants{
+    Constant{"bulk_modulus", "Pa", 1, 1e13, "bulk modulus K"},
+};
+
 template <class T>
 struct LinearEos {
-  T density, bulk_modulus_;
+  static constexpr Declaration declaration{"linear", "a pressure without a thermal part", "p = K mu",
+                                           "Hooke's law", linear_eos_constants};
+  static constexpr bool linear_in_energy = true;
+  T bulk_modulus;
 
   LinearEos() = default;
-  LinearEos(T density_, T bulk_modulus) : density(density_), bulk_modulus_(bulk_modulus) {}
-  template <class U>
-  explicit LinearEos(const LinearEos<U>& o) : density(T(o.density)), bulk_modulus_(T(o.bulk_modulus_)) {}
+  explicit LinearEos(const Constants& given) : bulk_modulus(T(given["bulk_modulus"])) {}
 
-  std::string check() const {
-    return density > 0 && bulk_modulus_ > 0 ? "" : "density and bulk_modulus must be > 0";
-  }
-  PM_HD T bulk_modulus() const { return bulk_modulus_; }
   template <class V>
-  PM_HD Isochore<V> at(const Compression<V>& c) const {
-    return {bulk_modulus_ * c.mu, V(0), V(bulk_modulus_), V(0)};
+  PM_HD EosPoint<V> at(const Compression<V>& c, V) const {
+    return {bulk_modulus * c.mu, V(bulk_modulus), V(0)};
   }
 };
 

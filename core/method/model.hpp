@@ -44,8 +44,8 @@ struct Model {
     T lightest = std::numeric_limits<T>::max();
     for (const auto& m : materials) {
       dampers.push_back(
-          {m.density() * m.dilatational_speed(), m.density() * m.shear_speed(), m.specific_volume});
-      lightest = std::min(lightest, m.density());
+          {m.density * m.dilatational_speed(), m.density * m.shear_speed(), m.specific_volume});
+      lightest = std::min(lightest, m.density);
     }
     const double cell_mass = double(lightest) * std::pow(double(geometry.cell), 3);
     mass_unit = std::exp2(std::round(std::log2(cell_mass)));

@@ -21,10 +21,9 @@ Sym3<T> settled_deviator(const Model<T>& model, const Points<T>& points, std::si
   const T trial = effective(point.deviator);
   if (trial <= T(0) || point.damage >= T(1)) return point.deviator;
   const auto& m = model.materials[points.body[p]];
-  const T strain = m.strength.visit([&](const auto& law) {
-    return law.return_map(trial, point.plastic_strain, point.temperature, dt).strain_increment;
-  });
-  return ((trial - T(3) * m.shear_modulus() * strain) / trial) * point.deviator;
+  const auto conditions = conditions_of(point);
+  const T strain = m.return_map(trial, point.plastic_strain, conditions, dt).strain_increment;
+  return ((trial - T(3) * m.shear(conditions) * strain) / trial) * point.deviator;
 }
 
 // Points in one place: how many, and the corners of a box around them (m).

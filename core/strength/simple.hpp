@@ -4,49 +4,35 @@
 // that depends on the path: shear, compress, shear back, expand, and energy is won. Per initial volume, tau =
 // s V/V0, dtau = 2 G dev D, the work tau : D dt is the change of tau : tau / 4G, whatever the path.
 #pragma once
-#include <string>
+#include <array>
 
-#include "johnson_cook.hpp"
+#include "strength.hpp"
 
 namespace pockmark {
 
+inline constexpr std::array elastic_constants{
+    Constant{"shear_modulus", "Pa", 1, 1e13, "shear modulus G"},
+};
+
 template <class T>
 struct Elastic {
+  static constexpr Declaration declaration{"elastic", "a linear elastic solid", "ds = 2 G dev D",
+                                           "Hooke's law, per initial volume", elastic_constants};
   static constexpr bool per_initial_volume = true;
   T shear_modulus;
 
   Elastic() = default;
-  explicit Elastic(T g) : shear_modulus(g) {}
-  template <class U>
-  explicit Elastic(const Elastic<U>& o) : shear_modulus(T(o.shear_modulus)) {}
-  std::string check() const { return shear_modulus >= 0 ? "" : "shear_modulus must be >= 0"; }
-  template <class V>
-  PM_HD mask_t<V> may_yield(V, V) const {
-    return Pack<V>::mask(false);
-  }
-  template <class V>
-  PM_HD PlasticReturn<V> return_map(V, V, V, T) const {
-    return {};
-  }
+  explicit Elastic(const Constants& given) : shear_modulus(T(given["shear_modulus"])) {}
 };
 
 template <class T>
 struct Fluid {
+  static constexpr Declaration declaration{"fluid", "no stress but pressure", "s = 0", "Pascal's law", {}};
   static constexpr bool per_initial_volume = false;
   static constexpr T shear_modulus = T(0);
 
   Fluid() = default;
-  template <class U>
-  explicit Fluid(const Fluid<U>&) {}
-  std::string check() const { return ""; }
-  template <class V>
-  PM_HD mask_t<V> may_yield(V, V) const {
-    return Pack<V>::mask(false);
-  }
-  template <class V>
-  PM_HD PlasticReturn<V> return_map(V, V, V, T) const {
-    return {};
-  }
+  explicit Fluid(const Constants&) {}
 };
 
 }  // namespace pockmark

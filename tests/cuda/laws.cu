@@ -37,17 +37,22 @@ struct Result {
   T log, exp, pow, c2;
 };
 
-template <class T>
-Material<T> al2024() {
-  Material<T> m{};
-  m.eos = MieGruneisen<T>(2770, 5330, 1.34, 2);
-  m.strength = JohnsonCook<T>(27.44e9, 265e6, 426e6, 0.34, 0.015, 1, 1, 293, 775);
-  m.failure = JohnsonCookFailure<T>(-0.77, 1.45, -0.47, 0, 1.6, 1, 293, 775, FailureTreatment::no_damage,
-                                    0.05, -1.5, T(1.0 / 3));
-  m.specific_heat = 875, m.taylor_quinney = 1, m.t_room = 293, m.t_melt = 775;
-  m.q_quadratic = 1.5, m.q_linear = T(0.06);
-  m.specific_volume = T(1) / m.density();
-  return m;
+MaterialSpec al2024() {
+  return {
+      {"mie-gruneisen", Constants({{"c0", 5330}, {"s", 1.34}, {"gamma0", 2}})},
+      {"johnson-cook",
+       Constants(
+           {{"shear_modulus", 27.44e9}, {"A", 265e6}, {"B", 426e6}, {"n", 0.34}, {"C", 0.015}, {"m", 1}})},
+      {"johnson-cook",
+       Constants({{"treatment", 0}, {"D1", -0.77}, {"D2", 1.45}, {"D3", -0.47}, {"D5", 1.6}})},
+      2770,
+      875,
+      1,
+      293,
+      775,
+      1.5,
+      0.06,
+  };
 }
 
 template <class T>
@@ -60,7 +65,7 @@ PM_HD Result<T> updated(const Material<T>& material, Case<T> given) {
   const Strain<T> strain(given.strain, given.half_turn);
   if (update.strain(point, strain, true, tally)) {
     const T trial = effective(point.deviator);
-    const auto back = update.return_map(trial, point.plastic_strain, point.temperature);
+    const auto back = material.return_map(trial, point.plastic_strain, conditions_of(point), dt);
     increment = update.yield(point, trial, back, volume, true, tally);
   }
   const T c2 = update.press(point, strain.small, volume, true, tally);
@@ -109,7 +114,7 @@ double difference(const std::vector<Result<T>>& a, const std::vector<Result<T>>&
 
 template <class T>
 void compare(const char* precision, int n) {
-  const auto material = al2024<T>();
+  const auto material = al2024().as<T>();
   const auto cases = random_cases<T>(n);
   std::vector<Result<T>> here(n), there(n);
   for (int i = 0; i < n; ++i) here[i] = updated(material, cases[i]);

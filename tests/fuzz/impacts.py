@@ -131,8 +131,10 @@ def _material(rng: random.Random, name: str) -> Table:
     if rng.random() < 0.15:
         table["eos"] = {"model": "linear", "bulk_modulus": f"{rng.choice((76, 130, 160))} GPa"}
     law = rng.choice(("johnson-cook", "johnson-cook", "johnson-cook", "elastic", "fluid"))
-    if law == "johnson-cook":
-        table["failure"] = {"treatment": rng.choice(TREATMENTS)}
+    if law == "johnson-cook":  # the library's own
+        treatment = rng.choice(TREATMENTS)
+        if row["failure"]["model"] == "johnson-cook":
+            table["failure"] = {"treatment": treatment}
     else:
         modulus = {"shear_modulus": row["strength"]["shear_modulus"]} if law == "elastic" else {}
         table |= {"strength": {"model": law} | modulus, "failure": {"treatment": "inactive"}}

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pockmark import Scene
-from pockmark.scene.materials import Material, MieGruneisen
+from pockmark.scene.materials import Material
 
 Fields = Mapping[str, NDArray[Any]]
 LEDGER = 0.01  # of the initial energy
@@ -66,8 +66,8 @@ def _impossible(
 
 def most(material: Material) -> float:
     """Return the rho/rho0 that no single shock exceeds, s/(s - 1); infinite where the law has none."""
-    eos = material.eos
-    return eos.s / (eos.s - 1) if isinstance(eos, MieGruneisen) and eos.s > 1 else math.inf
+    s = getattr(material.eos, "s", 0.0)
+    return s / (s - 1) if s > 1 else math.inf
 
 
 def _least(values: NDArray[Any]) -> float:

@@ -60,7 +60,8 @@ def test_the_frame_is_warned_of_where_it_matters():
 
     assert told()
     assert told("impact.speed='1 km/s'")
-    assert not told("impact.speed='3 km/s'")
+    assert told("impact.speed='4.5 km/s'")
+    assert not told("impact.speed='5 km/s'")
     assert not told("numerics.shape_functions=quadratic")
 
 

@@ -51,7 +51,7 @@ def test_there_are_as_many_constants_as_are_tried():
 @pytest.mark.parametrize("value", [1e120, 1e30, -1e30, -1e120, math.inf, math.nan, True])
 def test_every_constant_has_a_range(value, table):
     if table is not TABLE:
-        table = table | {"failure": {"treatment": "inactive"}}
+        table = table | {"failure": {"model": "none"}}
     for key in numbers(table):
         message = told(with_value(table, key, value))
         assert f"{KEY}.{key}: found " in message
@@ -169,15 +169,22 @@ ELASTIC = {"model": "elastic", "shear_modulus": 27e9}
 def test_failure_that_cannot_act_is_refused(strength, treatment):
     table = TABLE | {"strength": strength, "failure": TABLE["failure"] | {"treatment": treatment}}
     message = told(table)
-    assert f"{KEY}.failure: treatment '{treatment}' cannot act on strength '{strength['model']}'" in message
-    assert 'write failure.treatment = "inactive"' in message
-    table["failure"] = table["failure"] | {"treatment": "inactive"}
-    assert Material.model_validate(table)
+    assert f"{KEY}.failure: model 'johnson-cook' cannot act on strength '{strength['model']}'" in message
+    assert 'write failure.model = "none"' in message
+    assert Material.model_validate(table | {"failure": {"model": "none"}})
+
+
+def test_failure_from_before_it_had_a_model_is_understood():
+    """Scenes and run folders of earlier versions: no model is Johnson and Cook's, treatment "inactive" is none."""
+    old = {key: value for key, value in TABLE["failure"].items() if key != "model"}
+    assert Material.model_validate(TABLE | {"failure": old}) == Material.model_validate(TABLE)
+    inactive = Material.model_validate(TABLE | {"failure": old | {"treatment": "inactive"}})
+    assert inactive == Material.model_validate(TABLE | {"failure": {"model": "none"}})
 
 
 def test_failure_of_the_library_under_another_strength_is_refused():
     change = 'materials.m={based_on="al2024-liu2015", strength={model="fluid"}}'
-    with pytest.raises(PockmarkError, match=r"materials\.m\.failure: treatment 'no_damage' cannot act"):
+    with pytest.raises(PockmarkError, match=r"materials\.m\.failure: model 'johnson-cook' cannot act"):
         Scene.load(QUICK, change)
 
 

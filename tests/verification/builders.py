@@ -16,15 +16,23 @@ RHO, C0, S, GAMMA0 = 2770.0, 5330.0, 1.34, 2.0
 SHEAR = 73.0e9 / (2 * 1.33)
 
 
-def material(eos, strength, *, failure=None, q=(0.0, 0.0), t_melt=775.0, heating=1.0):
+def law(model, **constants):
+    """A law as a scene gives it, SI."""
+    return {"model": model} | constants
+
+
+def material(
+    eos, strength, *, density=RHO, failure=None, q=(0.0, 0.0), t_melt=775.0, heating=1.0, specific_heat=875.0
+):
     return core.Material(
         eos=eos,
         strength=strength,
-        failure=failure or core.NoFailure(),
-        specific_heat=875.0,
+        failure=failure or law("none"),
+        density=density,
+        specific_heat=specific_heat,
         taylor_quinney=heating,
-        t_room=293.0,
-        t_melt=t_melt,
+        room_temperature=293.0,
+        melt_temperature=t_melt,
         q_quadratic=q[0],
         q_linear=q[1],
     )
@@ -33,22 +41,22 @@ def material(eos, strength, *, failure=None, q=(0.0, 0.0), t_melt=775.0, heating
 def elastic(young, nu, density):
     """Linear elastic solid without viscosity."""
     bulk, shear = young / (3 * (1 - 2 * nu)), young / (2 * (1 + nu))
-    return material(core.LinearEos(density, bulk), core.Elastic(shear))
+    return material(law("linear", bulk_modulus=bulk), law("elastic", shear_modulus=shear), density=density)
 
 
 def paper_eos():
-    return core.MieGruneisen(RHO, C0, S, GAMMA0)
+    return law("mie-gruneisen", c0=C0, s=S, gamma0=GAMMA0)
 
 
 def perfectly_plastic(shear, yield_stress):
-    """Johnson-Cook without hardening, rate or heat."""
-    return johnson_cook(shear_modulus=shear, A=yield_stress, B=0.0, n=1.0, C=0.0, t_melt=1e9)
+    """Johnson-Cook without hardening or rate; without heat in a material that does not melt."""
+    return johnson_cook(shear_modulus=shear, A=yield_stress, B=0.0, n=1.0, C=0.0)
 
 
 def johnson_cook(**changed):
     """The paper's strength, with what is changed."""
     paper = {"shear_modulus": SHEAR, "A": 265e6, "B": 426e6, "n": 0.34, "C": 0.015, "m": 1.0}
-    return core.JohnsonCook(**paper | {"reference_rate": 1.0, "t_room": 293.0, "t_melt": 775.0} | changed)
+    return law("johnson-cook", **paper | changed)
 
 
 def aluminium(failure=None):

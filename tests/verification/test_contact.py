@@ -12,6 +12,7 @@ from builders import (
     core,
     elastic,
     lattice,
+    law,
     material,
     options,
 )
@@ -253,7 +254,9 @@ CELL = 2e-6
 
 def falling(speed, gap, *, single=False, shape="trilinear", scheme="usavg", cfl=0.5, ice=False):
     """A block of aluminium, or of ice as a fluid, comes down on aluminium, `gap` cells below it; exactly one-dimensional."""
-    soft = material(core.MieGruneisen(917.0, 2500.0, 1.5, 1.0), core.Fluid(), q=(1.5, 0.06))
+    soft = material(
+        law("mie-gruneisen", c0=2500.0, s=1.5, gamma0=1.0), law("fluid"), density=917.0, q=(1.5, 0.06)
+    )
     volume = (CELL / 2) ** 3
     target = lattice((0, 0, 0), (4, 4, 40), CELL / 2)
     block = lattice((0, 0, (20 + gap) * CELL), (4, 4, 30), CELL / 2)

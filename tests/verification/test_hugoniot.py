@@ -20,6 +20,7 @@ from builders import (
     by_id,
     johnson_cook,
     lattice,
+    law,
     material,
     options,
     paper_eos,
@@ -27,8 +28,6 @@ from builders import (
     solver,
 )
 from scipy.optimize import brentq
-
-import pockmark._core as core
 
 H = 1e-6
 SPEEDS = [700.0, 1000.0, 2200.0, 4500.0]
@@ -169,7 +168,7 @@ def fluid_plateau(scheme, shape, cfl, single, v, frame=0.0):
     us, gpa, rho = TABLE[v]
     up = v / 2
     columns, s = impact(
-        core.Fluid(), v, snapshots(us, up), opts=options(scheme, shape, cfl=cfl), single=single, frame=frame
+        law("fluid"), v, snapshots(us, up), opts=options(scheme, shape, cfl=cfl), single=single, frame=frame
     )
     got = plateau(columns, gpa * 0.5e9, up)
     print(

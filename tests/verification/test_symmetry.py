@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import FREE, RHO, SYMMETRY, TRANSMITTING, aluminium, core, lattice, options, solver
+from builders import FREE, RHO, SYMMETRY, TRANSMITTING, aluminium, core, lattice, law, options, solver
 
 H = 4e-6
 STEPS = 60  # through impact, failure of points, several renewals of the faces' areas
@@ -35,10 +35,16 @@ def scene_points():
 
 
 def aluminium_that_fails():
-    failure = core.JohnsonCookFailure(
-        D1=0.13, D2=0.13, D3=-1.5, D4=0.011, D5=0.0, reference_rate=1.0, t_room=293.0, t_melt=775.0,
-        treatment=core.FailureTreatment.floor, floor=1e-3, triaxiality_min=-1.5, triaxiality_max=1 / 3,
-    )  # fmt: skip
+    failure = law(
+        "johnson-cook",
+        treatment="floor",
+        D1=0.13,
+        D2=0.13,
+        D3=-1.5,
+        D4=0.011,
+        floor=1e-3,
+        triaxiality_min=-1.5,
+    )
     return aluminium(failure)
 
 

@@ -27,6 +27,10 @@ COUNTERS = {
         "steps of a point whose return to the yield surface did not converge: a numerical fault",
         "did not return to the yield surface",
     ),
+    "eos_failures": Counter(
+        "steps of a point whose energy and pressure did not converge together: a numerical fault",
+        "had an energy and a pressure that did not agree",
+    ),
     "node_cutoffs": Counter("steps of a node lighter than numerics.mass_cutoff, whose force was scaled down"),
     "strain_limited_steps": Counter("steps set by numerics.strain_limit, not by the fastest wave"),
     "negative_energies": Counter(

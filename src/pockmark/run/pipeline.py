@@ -111,6 +111,7 @@ def _end(simulation: Simulation, status: str) -> dict[str, Any]:
 
 
 def treatments(scene: Scene) -> str:
-    """Return the failure treatment of each material used, as "material: treatment"."""
+    """Return the failure treatment, or else the model, of each material used, as "material: treatment"."""
     used = dict.fromkeys(b.material for b in scene.body)
-    return ", ".join(f"{name}: {scene.materials[name].failure.treatment}" for name in used)
+    laws = {name: scene.materials[name].failure for name in used}
+    return ", ".join(f"{name}: {getattr(law, 'treatment', law.model)}" for name, law in laws.items())

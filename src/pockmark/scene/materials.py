@@ -1,13 +1,24 @@
 """Materials: what a user writes, the cited library, and the core's material."""
 
+import difflib
 import math
 import tomllib
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Mapping, Sequence
+from functools import cache, reduce
 from importlib.resources import files
-from typing import Annotated, Any, Literal
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator
+import numpy as np
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationInfo,
+    create_model,
+    field_validator,
+)
+from scipy.optimize import brentq
 
 from .. import _core
 from ..base.errors import PockmarkError, found
@@ -21,88 +32,59 @@ class Model(BaseModel):
 
 
 # Every constant has a range: wide enough for aerogel, gels, foams, ice and osmium, and far too narrow for a slip of the
-# exponent or a forgotten unit.
-Modulus = Annotated[float, quantity("Pa", 1.0, 1e13)]
-Stress = Annotated[float, quantity("Pa", 0.0, 1e12)]
-Exponent = Annotated[float, quantity("", 1e-3, 20.0)]
-Rate = Annotated[float, quantity("1/s", 1e-8, 1e8)]
-DamageConstant = Annotated[float, quantity("", -100.0, 100.0)]
-Triaxiality = Annotated[float, quantity("", -100.0, 100.0)]
+# exponent or a forgotten unit. Those of the laws are declared in their own files, core/eos, core/strength and core/failure.
 Temperature = Annotated[float, quantity("K", 1.0, 1e5)]
 ViscosityFactor = Annotated[float, quantity("", 0.0, 20.0)]
+LAWS: dict[str, list[dict[str, Any]]] = _core.laws()  # by kind: what each law declares
 
 
-class MieGruneisen(Model):
-    """Us = c0 + s up with a Grueneisen gamma (Liu et al. 2015, Eqs. 19-20 corrected)."""
+class Law(Model):
+    """A law of a material: its `model`, and the constants that the core's law of that name declares."""
 
-    model: Literal["mie-gruneisen"]
-    c0: Annotated[float, quantity("m/s", 1.0, 1e5)]
-    s: Annotated[float, quantity("", 0.0, 20.0)]
-    gamma0: Annotated[float, quantity("", 0.0, 20.0)]
+    model: str
 
 
-class LinearEos(Model):
-    """p = K (rho/rho0 - 1)."""
-
-    model: Literal["linear"]
-    bulk_modulus: Modulus
-
-
-class JohnsonCook(Model):
-    """Liu et al. 2015, Eq. 16."""
-
-    model: Literal["johnson-cook"]
-    shear_modulus: Modulus
-    A: Annotated[float, quantity("Pa", 1.0, 1e12)]
-    B: Stress
-    n: Exponent
-    C: Annotated[float, quantity("", 0.0, 10.0)]
-    m: Exponent
-    reference_rate: Rate = 1.0
-
-
-class Elastic(Model):
-    """A linear elastic deviator."""
-
-    model: Literal["elastic"]
-    shear_modulus: Modulus
+def _table_of(law: Mapping[str, Any]) -> type[Law]:
+    """Return the table that a scene gives a law, made from what the law declares."""
+    fields: dict[str, Any] = {"model": Literal[law["name"]]}
+    validators: dict[str, Any] = {}
+    for constant in law["constants"]:
+        name, default = constant["name"], constant["default"]
+        if constant["choices"]:
+            kind: Any = Literal[tuple(constant["choices"])]
+        else:
+            kind = Annotated[float, quantity(constant["unit"], constant["least"], constant["most"])]
+        if constant["above"]:
+            kind = Annotated[kind, Field(validate_default=True)]
+            validators[f"{name}_is_above"] = field_validator(name)(_above(name, constant["above"]))
+        fields[name] = kind if default is None else (kind, default)
+    return create_model(
+        f"{law['name']} law", __base__=Law, __doc__=law["doc"], __validators__=validators, **fields
+    )
 
 
-class Fluid(Model):
-    """No deviatoric stress."""
+def _above(name: str, other: str) -> Any:
+    """Return the check that a constant exceeds another."""
 
-    model: Literal["fluid"]
+    def check(value: float, known: ValidationInfo) -> float:
+        if value <= known.data.get(other, -math.inf):
+            raise ValueError(f"found {value:g}, {name} must exceed {other}")
+        return value
+
+    return check
 
 
-class Failure(Model):
-    """Johnson-Cook failure, Liu et al. 2015, Eqs. 17-18, and what happens where its strain is <= 0."""
+def _any_of(laws: Sequence[Mapping[str, Any]]) -> Any:
+    """Return the type of a table that is one of some laws, as its `model` says."""
+    return Annotated[reduce(or_, map(_table_of, laws)), Field(discriminator="model")]
 
-    treatment: Literal["inactive", "no_damage", "signed", "floor", "clamp_triaxiality"]
-    D1: DamageConstant = 0.0
-    D2: DamageConstant = 0.0
-    D3: DamageConstant = 0.0
-    D4: DamageConstant = 0.0
-    D5: DamageConstant = 0.0
-    reference_rate: Rate = 1.0
-    floor: Annotated[float, quantity("", 1e-9, 100.0)] = 1e-3
-    triaxiality_min: Triaxiality = -1.5
-    triaxiality_max: Annotated[Triaxiality, Field(validate_default=True)] = 1.0 / 3.0
 
-    @field_validator("triaxiality_max")
-    @classmethod
-    def _is_a_range(cls, high: float, known: ValidationInfo) -> float:
-        if high <= known.data.get("triaxiality_min", -math.inf):
-            raise ValueError(f"found {high:g}, triaxiality_max must exceed triaxiality_min")
-        return high
-
-    @property
-    def may_add_damage(self) -> bool:
-        """Whether any state has a failure strain above 0."""
-        if self.treatment == "inactive":
-            return False
-        if self.treatment == "floor" or self.D4 < 0 or self.D5 < 0:  # negative factors turn the sign
-            return True
-        return (self.D1 + self.D2 if self.D3 == 0 else max(self.D1, self.D2)) > 0
+if TYPE_CHECKING:
+    Eos = Law
+    Strength = Law
+    Failure = Law
+else:
+    Eos, Strength, Failure = (_any_of(LAWS[kind]) for kind in ("eos", "strength", "failure"))
 
 
 class Thermal(Model):
@@ -133,103 +115,99 @@ class Material(Model):
 
     source: str
     density: Annotated[float, quantity("kg/m^3", 1.0, 3e4)]
-    eos: Annotated[MieGruneisen | LinearEos, Field(discriminator="model")]
-    strength: Annotated[JohnsonCook | Elastic | Fluid, Field(discriminator="model")]
+    eos: Eos
+    strength: Strength
     failure: Failure
     thermal: Thermal
     viscosity: Viscosity = Viscosity()
     # Speed of impact on itself up to which its laws are meant: the material behind the shock then moves at half of it.
     max_speed: Annotated[float, quantity("m/s", 1.0, 1e6)] | None = None
 
+    @field_validator("failure", mode="before")
+    @classmethod
+    def _is_a_model(cls, failure: Any) -> Any:
+        """Return the table of a scene from before failure had a model, as such: Johnson and Cook's, or none where it was inactive."""
+        if not isinstance(failure, Mapping) or failure.get("model", "johnson-cook") != "johnson-cook":
+            return failure
+        if failure.get("treatment") == "inactive":
+            return {"model": "none"}
+        return {"model": "johnson-cook", **failure}
+
     @field_validator("failure")
     @classmethod
-    def _can_act(cls, failure: Failure, known: ValidationInfo) -> Failure:
+    def _can_act(cls, failure: Law, known: ValidationInfo) -> Law:
         """Check that a law that was asked for adds damage somewhere."""
         strength = known.data.get("strength")
-        if failure.treatment == "inactive":
+        if failure.model == "none":
             return failure
-        if isinstance(strength, Elastic | Fluid):
-            why = f"cannot act on strength '{strength.model}', for damage comes with plastic strain alone"
-        elif not failure.may_add_damage:
-            why = f"adds no damage, for with D1 = {failure.D1:g} and D2 = {failure.D2:g} no failure strain is above 0"
-        else:
+        if strength and _says("failure", failure, "needs_flow") and not _says("strength", strength, "yields"):
+            why = f"cannot act on strength '{strength.model}', for its damage comes with plastic strain alone"
+        elif not (why := _core.failure_fault(failure.model_dump())):
             return failure
-        raise ValueError(f"treatment '{failure.treatment}' {why}; write failure.treatment = \"inactive\"")
+        raise ValueError(f"model '{failure.model}' {why}; write failure.model = \"none\"")
+
+    def to_core(self) -> _core.Material:
+        """Return the core's material."""
+        t, v = self.thermal, self.viscosity
+        return _core.Material(
+            eos=self.eos.model_dump(),
+            strength=self.strength.model_dump(),
+            failure=self.failure.model_dump(),
+            density=self.density,
+            specific_heat=t.specific_heat,
+            taylor_quinney=t.taylor_quinney,
+            room_temperature=t.room_temperature,
+            melt_temperature=t.melt_temperature,
+            q_quadratic=v.quadratic,
+            q_linear=v.linear,
+        )
 
     @property
     def bulk_modulus(self) -> float:
-        """rho0 c0^2 or K, Pa."""
-        if isinstance(self.eos, MieGruneisen):
-            return self.density * self.eos.c0 * self.eos.c0
-        return self.eos.bulk_modulus
+        """Of the equation of state at rest, Pa."""
+        return float(self.to_core().bulk_modulus)
 
     @property
     def shear_modulus(self) -> float:
-        """Pa."""
-        return 0.0 if isinstance(self.strength, Fluid) else self.strength.shear_modulus
+        """At rest, Pa."""
+        return float(self.to_core().shear_modulus)
+
+    @property
+    def yield_strength(self) -> float | None:
+        """The flow stress without plastic strain at rest, Pa; None of a material that does not yield."""
+        at_rest = [[0.0, 0.0, self.thermal.room_temperature, 0.0, 1.0, 0.0]]
+        stress = float(self.to_core().strength_at(np.array(at_rest))[0, 0])
+        return stress if math.isfinite(stress) else None
 
     @property
     def dilatational_speed(self) -> float:
         """Speed of P waves, m/s."""
         return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
 
-    def to_core(self) -> _core.Material:
-        """Return the core's material."""
-        t, v = self.thermal, self.viscosity
-        return _core.Material(
-            eos=self._core_eos(),
-            strength=self._core_strength(),
-            failure=self._core_failure(),
-            specific_heat=t.specific_heat,
-            taylor_quinney=t.taylor_quinney,
-            t_room=t.room_temperature,
-            t_melt=t.melt_temperature,
-            q_quadratic=v.quadratic,
-            q_linear=v.linear,
-        )
+    @property
+    def failure_caution(self) -> str:
+        """What is to be known of the constants of its failure; empty where nothing is."""
+        return str(_core.failure_caution(self.failure.model_dump()))
 
-    def _core_eos(self) -> Any:
-        e = self.eos
-        if isinstance(e, MieGruneisen):
-            return _core.MieGruneisen(density=self.density, c0=e.c0, s=e.s, gamma0=e.gamma0)
-        return _core.LinearEos(density=self.density, bulk_modulus=e.bulk_modulus)
+    def shock_pressure(self, up: float) -> float:
+        """Return the pressure behind a shock from rest that leaves the material at `up` (m/s): where the equation of state
+        meets mass, momentum and energy, rho0 up^2 (1 + 1/mu) at an energy of rho0 up^2/2."""
+        if up <= 0:
+            return 0.0
+        inertia, core = self.density * up * up, self.to_core()
 
-    def _core_strength(self) -> Any:
-        s, t = self.strength, self.thermal
-        if isinstance(s, Fluid):
-            return _core.Fluid()
-        if isinstance(s, Elastic):
-            return _core.Elastic(shear_modulus=s.shear_modulus)
-        return _core.JohnsonCook(
-            shear_modulus=s.shear_modulus,
-            A=s.A,
-            B=s.B,
-            n=s.n,
-            C=s.C,
-            m=s.m,
-            reference_rate=s.reference_rate,
-            t_room=t.room_temperature,
-            t_melt=t.melt_temperature,
-        )
+        def excess(mu: float) -> float:
+            pressure = core.eos_at(np.array([[mu, inertia / 2]]))[0, 0]
+            return float(pressure) - inertia * (1 + 1 / mu)
 
-    def _core_failure(self) -> Any:
-        f, t = self.failure, self.thermal
-        if f.treatment == "inactive":
-            return _core.NoFailure()
-        return _core.JohnsonCookFailure(
-            D1=f.D1,
-            D2=f.D2,
-            D3=f.D3,
-            D4=f.D4,
-            D5=f.D5,
-            reference_rate=f.reference_rate,
-            t_room=t.room_temperature,
-            t_melt=t.melt_temperature,
-            treatment=getattr(_core.FailureTreatment, f.treatment),
-            floor=f.floor,
-            triaxiality_min=f.triaxiality_min,
-            triaxiality_max=f.triaxiality_max,
-        )
+        least, most = 1e-9 * up / self.dilatational_speed, 100.0
+        mu = brentq(excess, least, most, xtol=1e-15) if excess(most) > 0 else most
+        return inertia * (1 + 1 / float(mu))
+
+
+def _says(kind: str, law: Law, what: str) -> bool:
+    """Return what a law declares of itself."""
+    return bool(next(declared[what] for declared in LAWS[kind] if declared["name"] == law.model))
 
 
 @cache
@@ -261,13 +239,18 @@ def complete(name: str, written: Any, user: str = "") -> Any:
     base = changes.pop("based_on", name if name in library() else None)
     if base is None:
         if written is None:
-            known = ", ".join(sorted(library()))
             raise PockmarkError(
-                f"{user}: {found(name)}, which is neither in the scene nor in the library ({known})"
+                f"{user}: {found(name)}, which is neither in the scene nor in the library ({_nearest(name)})"
             )
         return changes
     if not isinstance(base, str) or base not in library():
         raise PockmarkError(
-            f"materials.{name}.based_on: {found(base)}, expected one of {', '.join(library())}"
+            f"materials.{name}.based_on: {found(base)}, expected one of the library ({_nearest(str(base))})"
         )
     return merge(library()[base], changes)
+
+
+def _nearest(name: str) -> str:
+    """Return the names of the library that are most like one, and how many there are besides."""
+    near = difflib.get_close_matches(name[:100], library(), n=3, cutoff=0.0)
+    return f"{', '.join(near)} and {len(library()) - len(near)} more"

@@ -9,7 +9,7 @@ from ..base.geometry import ENOUGH_CELLS_ACROSS
 from ..laws.equations import volume_energy
 from .bodies import Solid
 from .grid import FACES
-from .materials import JohnsonCook, Material, MieGruneisen
+from .materials import Material
 from .scene import Scene
 
 MIN_CELLS_ACROSS = 4  # of the grid across the projectile's diameter
@@ -104,11 +104,10 @@ def _range_warnings(scene: Scene) -> list[str]:
 def _particle_speed(target: Material, projectile: Material, speed: float) -> float:
     """Return the particle speed of the target behind the shock, m/s, by impedance match: the pressures of both are equal."""
 
-    def pressure(of: Material, up: float) -> float:
-        c0 = math.sqrt(of.bulk_modulus / of.density)
-        return of.density * up * (c0 + (of.eos.s if isinstance(of.eos, MieGruneisen) else 0.0) * up)
+    def excess(up: float) -> float:
+        return target.shock_pressure(up) - projectile.shock_pressure(speed - up)
 
-    return float(brentq(lambda up: pressure(target, up) - pressure(projectile, speed - up), 0.0, speed))
+    return float(brentq(excess, 0.0, speed))
 
 
 def _crater_warnings(scene: Scene) -> list[str]:
@@ -139,14 +138,15 @@ def predicted_depth(scene: Scene, target: Material) -> float | None:
     """Return the depth of the crater of the largest ball of the scene in a target, m, by Liu et al. 2015, Eq. 22, with the normal part of
     the speed; None without a ball, a speed or a yield strength."""
     normal = scene.impact.speed * math.cos(scene.impact.angle)
-    if not normal or not isinstance(target.strength, JohnsonCook):
+    strength = target.yield_strength
+    if not normal or not strength:
         return None
     depths = [
         diameter
         * volume_energy(
             normal,
             projectile_density=scene.materials[scene.body[i].material].density,
-            target_strength=target.strength.A,
+            target_strength=strength,
         )
         for i in scene.projectiles
         if (diameter := scene.body[i].ball_diameter) is not None
@@ -156,8 +156,8 @@ def predicted_depth(scene: Scene, target: Material) -> float | None:
 
 def settling_time(depth: float, target: Material) -> float:
     """Time (s) that a crater of this depth (m) takes to settle: depth sqrt(rho/Y), as the target's strength stops it."""
-    assert isinstance(target.strength, JohnsonCook)
-    return depth * math.sqrt(target.density / target.strength.A)
+    assert target.yield_strength
+    return depth * math.sqrt(target.density / target.yield_strength)
 
 
 def _arrival(scene: Scene) -> float:
@@ -237,11 +237,5 @@ def _face_warnings(projectile: Solid, scene: Scene) -> list[str]:
 
 
 def _failure_warning(name: str, scene: Scene) -> list[str]:
-    f = scene.materials[name].failure
-    if f.treatment == "inactive" or f.D2 == 0.0 or f.D3 == 0.0 or -f.D1 / f.D2 <= 0.0:
-        return []
-    limit = math.log(-f.D1 / f.D2) / f.D3
-    return [
-        f"material '{name}': its failure strain is <= 0 above a triaxiality of {limit:.4f}; there the treatment "
-        f"'{f.treatment}' decides the crater"
-    ]
+    caution = scene.materials[name].failure_caution
+    return [f"material '{name}': {caution}"] if caution else []
