@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 __version__ = version("pockmark")
 # How many entries CHANGELOG.md has under "Physics": a run of another number may have other figures.
-PHYSICS = 26
+PHYSICS = 27
 
 __all__ = ["PHYSICS", "PockmarkError", "Scene", "Simulation", "__version__", "measure", "run_scene"]
 
