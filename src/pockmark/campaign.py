@@ -36,6 +36,7 @@ class Campaign(Model):
     title: str = ""
     scene: str
     report: str = ""
+    coarse: Annotated[bool, Field(strict=True)] = False  # run what has fewer than four cells across, too
     set: Changes
     quick: Changes
     group: Annotated[list[Group], Field(min_length=1)]

@@ -9,7 +9,7 @@ from ..campaign import FILE, cases, load
 from ..errors import shown
 from ..study import make_report, run_study, summary, write_results
 from ..terminal import literal
-from .common import CONSOLE, MAX_PATH
+from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse
 
 
 def study(
@@ -20,13 +20,14 @@ def study(
     output: Annotated[Path, typer.Option("-o", "--output", help="Where the runs are kept.")] = Path(
         "runs/studies"
     ),
+    coarse: Coarse = False,
 ) -> None:
     """Run a campaign: a scene with swept keys. What is there is not run again; what fails stops nothing."""
     folder = next((f for f in (Path(name), Path("studies") / name) if (f / FILE).exists()), Path(name))
     campaign = load(folder)
     wanted = cases(campaign, folder, quick=quick, only=only or [])
     try:
-        outcomes = run_study(wanted, output, jobs=jobs, console=CONSOLE)
+        outcomes = run_study(wanted, output, jobs=jobs, console=CONSOLE, coarse=coarse or campaign.coarse)
     except KeyboardInterrupt:
         CONSOLE.print("interrupted: what is done is kept, the same command goes on", style="yellow")
         raise typer.Exit(130) from None
@@ -46,4 +47,10 @@ def study(
         make_report(folder / campaign.report, table, output)
     if failed := sum(bool(o.fault) for o in outcomes):
         CONSOLE.print(f"{failed} of {len(outcomes)} runs failed", style="red")
-        raise typer.Exit(1)
+    if doubtful := sum(outcome.is_doubtful for outcome in outcomes):
+        CONSOLE.print(
+            f"{doubtful} of {len(outcomes)} runs are doubtful: their numbers are worth little",
+            style="bold red",
+        )
+    if failed or doubtful:
+        raise typer.Exit(1 if failed else DOUBTFUL)
