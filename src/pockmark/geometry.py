@@ -62,6 +62,8 @@ class Setup:
     hits: tuple[tuple[float, float], ...] = ()  # where a swarm's balls meet z = 0, without mirror images
     pitch: float = 0.0  # of a swarm's neighbours
     centre: tuple[float, float] = (0.0, 0.0)  # x and y of the first projectile, or of the grid
+    arrival: float | None = None  # s: when the first projectile meets z = 0; None where none moves
+    settled: float | None = None  # s: when the crater should have settled; None where nothing is known
 
     @property
     def targets(self) -> tuple[int, ...]:

@@ -13,7 +13,7 @@ from .counters import GONE
 from .doubts import doubts
 from .errors import PockmarkError
 from .files import replaced, told
-from .forecast import MIN_CELLS_ACROSS, cells_across, frame_warnings, is_too_coarse
+from .forecast import MIN_CELLS_ACROSS, cells_across, is_too_coarse, lasting_warnings
 from .geometry import Setup
 from .hole import measure_hole
 from .measures import UNWARNED, measures, surface_of, worst_error
@@ -141,13 +141,24 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     history = folder.history("error", "initial")
     snapshot = _in_the_grid(folder.last_snapshot(), scene)
     table = measures(snapshot, setup_of(scene), record.joules, run, record.counters, history)
-    table["warnings"] += frame_warnings(scene)
+    late = [] if status in UNENDED else _late_warning(float(snapshot["time"][0]), record.run.time)
+    table["warnings"] = [*dict.fromkeys(late + table["warnings"] + lasting_warnings(scene))]
     said = record.doubts
     if said is None:  # the run did not come to say them
         worst, when = worst_error(history) or (0.0, None)
         said = doubts(record.counters, worst if when is not None else 0.0, when or 0.0)
     table["doubts"], table["run"]["doubtful"] = [*said], bool(said)
     return dict(finite(table))
+
+
+def _late_warning(snapshot_time: float, end: float) -> list[str]:
+    """Say where the last snapshot is not of the time (s) at which the run ended: its file may have been removed."""
+    if abs(snapshot_time - end) <= 1e-9 * end:
+        return []
+    return [
+        f"the last snapshot is of {snapshot_time * 1e9:.4g} ns, but the run ended at {end * 1e9:.4g} ns: the crater and the energies "
+        "below are of different times (is a snapshot missing?)"
+    ]
 
 
 @UNWARNED

@@ -2,6 +2,7 @@
 
 from .forecast import cells_across
 from .geometry import Setup
+from .prospect import arrivals, settled_at
 from .scene import Scene
 from .wall import first_wall, walls
 
@@ -27,6 +28,8 @@ def setup_of(scene: Scene) -> Setup:
         hits=hits,
         pitch=pitch,
         centre=_centre(scene),
+        arrival=min(arrivals(scene), default=None),
+        settled=settled_at(scene),
     )
 
 
