@@ -202,7 +202,7 @@ def plot_process(path: str | Path) -> Figure:
     """Draw stress and pressure in the last four snapshots of a run folder."""
     folder = RunFolder.open(path)
     scene = folder.scene()
-    snapshots = [_in_the_grid(Snapshot(file), scene) for file in folder.snapshots()[-4:]]
+    snapshots = [_in_the_grid(folder.snapshot(file), scene) for file in folder.snapshots()[-4:]]
     if not snapshots:
         raise PockmarkError(f"{path}: holds no snapshot")
     return process_figure(snapshots, setup_of(scene))

@@ -8,7 +8,6 @@ import re
 import subprocess
 import time
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -175,7 +174,7 @@ class RunFolder:
         found = self.snapshots()
         number = 1 + (_number(found[-1]) or 0) if found else 0
         path = self.path / f"snapshot-{number:04d}.vtkhdf"
-        write_snapshot(path, fields, time_s, step)
+        write_snapshot(path, fields, time_s, step, str(self.manifest()["scene_hash"]))
         return path
 
     def last_snapshot(self) -> Snapshot:
@@ -185,9 +184,19 @@ class RunFolder:
             raise PockmarkError(f"{self.path}: holds no snapshot")
         if self.status() == "killed":
             for path in reversed(found):
-                with suppress(PockmarkError):
-                    return Snapshot(path)
-        return Snapshot(found[-1])
+                try:
+                    Snapshot(path)
+                except PockmarkError:  # it was being written
+                    continue
+                return self.snapshot(path)
+        return self.snapshot(found[-1])
+
+    def snapshot(self, path: Path) -> Snapshot:
+        """Return the fields of one of its snapshots. Raises PockmarkError if that is none, or of another scene."""
+        read = Snapshot(path)
+        if read.scene_hash not in (None, self.manifest()["scene_hash"]):
+            raise PockmarkError(f"{path}: is a snapshot of another scene than this run's")
+        return read
 
 
 def _number(path: Path) -> int | None:

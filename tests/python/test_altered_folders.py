@@ -6,6 +6,7 @@ import random
 import shutil
 import socket
 import time
+import zlib
 from contextlib import suppress
 from pathlib import Path
 
@@ -339,13 +340,13 @@ def test_a_snapshot_that_is_none_is_told(change, folder):
 
 
 def _edited(name, change):
-    """A field changed with its check sum taken away, as another program may."""
+    """A field changed with its check sum, as a careful forger may."""
 
     def alter(root):
         values = root[name][...]
         change(values)
         root[name][...] = values
-        del root[name].attrs["crc32"]
+        root[name].attrs["crc32"] = np.uint32(zlib.crc32(np.ascontiguousarray(values).tobytes()))
 
     return _in_file(alter)
 
@@ -355,6 +356,37 @@ def _put(index, value):
         values[index] = value
 
     return change
+
+
+def test_a_snapshot_without_a_check_sum_is_told(folder):
+    _in_file(lambda root: root[MASS].attrs.__delitem__("crc32"))(folder / LAST)
+    for reader in every_reader():
+        assert "PointData/mass has no check sum" in refusal(reader, folder)
+
+
+def test_a_snapshot_of_another_scene_is_told(folder, original):
+    hashed = Snapshot(folder / LAST).scene_hash
+    assert hashed == RunFolder(folder).manifest()["scene_hash"]
+    _in_file(lambda root: root.attrs.__setitem__("scene_hash", np.bytes_(b"another")))(folder / LAST)
+    for reader in every_reader():
+        assert "is a snapshot of another scene" in refusal(reader, folder)
+    # As in files of before the hash was written.
+    _in_file(lambda root: root.attrs.__delitem__("scene_hash"))(folder / LAST)
+    assert measure(folder) == original[1]
+
+
+@pytest.mark.parametrize("value", [1, 1.5, [1, 2], "text", b"\xff", h5py.Empty("f8")], ids=repr)
+def test_a_hash_that_is_none_is_told(value, folder):
+    _in_file(lambda root: root.attrs.__setitem__("scene_hash", value))(folder / LAST)
+    assert LAST in refusal(measure, folder)
+
+
+@pytest.mark.parametrize("time", [1.0001e4, 1e300])
+def test_a_time_that_no_run_has_is_told(time, folder):
+    manifest = RunFolder(folder).manifest()
+    manifest["run"]["time"] = time
+    RunFolder(folder).write_manifest(manifest)
+    assert "run.time" in refusal(measure, folder)
 
 
 EDITS = {
