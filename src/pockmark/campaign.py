@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError
 
 from .errors import PockmarkError
+from .files import as_path
 from .materials import Model
 from .scene import Scene
 from .sentences import sentence
@@ -62,9 +63,11 @@ def load(folder: Path) -> Campaign:
     """Read a campaign. Raises PockmarkError with one sentence."""
     path = folder / FILE
     try:
-        return Campaign.model_validate(read_toml(path))
+        campaign = Campaign.model_validate(read_toml(path))
     except ValidationError as error:
         raise PockmarkError(f"{path}: {sentence(error, Campaign)}") from None
+    as_path(folder / campaign.report)  # said before anything runs
+    return campaign
 
 
 def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:

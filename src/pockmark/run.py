@@ -12,7 +12,7 @@ from . import results
 from .counters import GONE
 from .doubts import doubts
 from .errors import PockmarkError
-from .files import replaced, told
+from .files import AnyPath, as_path, replaced, told
 from .forecast import MIN_CELLS_ACROSS, cells_across, is_too_coarse, lasting_warnings
 from .geometry import Setup
 from .hole import measure_hole
@@ -31,7 +31,7 @@ from .tasks import History, ProgressBar, Snapshots
 
 def run_scene(
     scene: Scene,
-    path: str | Path,
+    path: AnyPath,
     *,
     threads: int | None = None,
     force: bool = False,
@@ -48,7 +48,7 @@ def run_scene(
             f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
         )
     with heard_between_steps() as stop_if_asked:
-        RunFolder(Path(path)).require_free(force=force)  # said before millions of points are laid
+        RunFolder(path).require_free(force=force)  # said before millions of points are laid
         simulation = Simulation(scene, threads)
         stop_if_asked()  # before `force` replaces a run
         folder = RunFolder.create(path, scene, force=force)
@@ -74,7 +74,7 @@ def run_scene(
                 _write_last(tasks, simulation)
             if isinstance(error, RuntimeError):
                 when = f"the run stopped at {simulation.time:.4g} s"
-                raise PockmarkError(f"{path}: {when}: {error}") from None
+                raise PockmarkError(f"{folder.path}: {when}: {error}") from None
             raise
         finally:
             try:
@@ -124,7 +124,7 @@ def treatments(scene: Scene) -> str:
 
 
 @UNWARNED
-def measure_run(path: str | Path) -> dict[str, Any]:
+def measure_run(path: AnyPath) -> dict[str, Any]:
     """Measure crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
@@ -162,11 +162,11 @@ def _late_warning(snapshot_time: float, end: float) -> list[str]:
 
 
 @UNWARNED
-def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
+def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
     """Draw crater.png (slice panels of the last snapshot) and history.png. Returns the files."""
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
-    target = Path(out) if out else folder.path
+    target = as_path(out) if out else folder.path
     snapshot, setup = _in_the_grid(folder.last_snapshot(), scene), setup_of(scene)
     title = scene.title or folder.path.name
     surface = _surface(snapshot, setup)
@@ -190,7 +190,7 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
 
 
 @UNWARNED
-def surface_of_run(path: str | Path) -> Surface | None:
+def surface_of_run(path: AnyPath) -> Surface | None:
     """Return the target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
     folder = RunFolder.open(path)
     scene = folder.scene()
@@ -198,17 +198,17 @@ def surface_of_run(path: str | Path) -> Surface | None:
 
 
 @UNWARNED
-def plot_process(path: str | Path) -> Figure:
+def plot_process(path: AnyPath) -> Figure:
     """Draw stress and pressure in the last four snapshots of a run folder."""
     folder = RunFolder.open(path)
     scene = folder.scene()
     snapshots = [_in_the_grid(folder.snapshot(file), scene) for file in folder.snapshots()[-4:]]
     if not snapshots:
-        raise PockmarkError(f"{path}: holds no snapshot")
+        raise PockmarkError(f"{folder.path}: holds no snapshot")
     return process_figure(snapshots, setup_of(scene))
 
 
-def standing_of(path: str | Path) -> str:
+def standing_of(path: AnyPath) -> str:
     """Return how a run that has not ended stands, in one sentence; an empty text for one that has ended."""
     folder = RunFolder.open(path)
     rows, snapshot = folder.rows(), folder.last_snapshot()

@@ -5,13 +5,15 @@ import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
+import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
+from . import files
 from .bodies import Body, Solid, Vector, overlap, require_size
 from .errors import PockmarkError, found, together
+from .files import AnyPath, as_path
 from .geometry import Mirror
 from .materials import Material, Model, complete
 from .overrides import override
@@ -166,7 +168,7 @@ class Scene(Model):
     output: Output = Output()
 
     @classmethod
-    def load(cls, path: str | Path, overrides: str | Sequence[str] = ()) -> "Scene":
+    def load(cls, path: AnyPath, overrides: str | Sequence[str] = ()) -> "Scene":
         """Read a TOML scene; `overrides` are texts "key.key=value", or one such. Raises PockmarkError."""
         return cls.from_dict(read_toml(path), source=str(path), overrides=overrides)
 
@@ -175,7 +177,7 @@ class Scene(Model):
         cls, table: Mapping[str, Any], *, source: str = "scene", overrides: str | Sequence[str] = ()
     ) -> "Scene":
         """Build a scene from a table as TOML gives it. Raises PockmarkError naming `source` and the key."""
-        merged, told = dict(table), []
+        merged, told = _plain(table, source), []
         for text in [overrides] if isinstance(overrides, str) else overrides:
             try:
                 merged = override(merged, text)
@@ -326,9 +328,11 @@ class Scene(Model):
         """Return the scene as TOML with every default written out, SI numbers."""
         return to_toml(self.to_dict())
 
-    def save(self, path: str | Path) -> None:
-        """Write to_toml() to a file."""
-        Path(path).write_text(self.to_toml(), encoding="utf-8")
+    def save(self, path: AnyPath) -> None:
+        """Write to_toml() to a file. Raises PockmarkError."""
+        where = as_path(path)
+        with files.told(where):
+            where.write_text(self.to_toml(), encoding="utf-8")
 
     @property
     def hash(self) -> str:
@@ -378,6 +382,24 @@ def _unit(azimuth: float) -> tuple[float, float]:
     rest = azimuth - quarters * (math.pi / 2)
     c, s = (1.0, 0.0) if abs(rest) < 1e-12 else (math.cos(rest), math.sin(rest))
     return ((c, s), (-s + 0.0, c), (-c, -s + 0.0), (s, -c))[quarters % 4]
+
+
+def _plain(table: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """Return a table of plain values: NumPy's numbers are numbers, and its arrays lists of them. Raises PockmarkError."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {key: plain(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            return [plain(item) for item in value]
+        return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+
+    if not isinstance(table, Mapping):
+        raise PockmarkError(f"{source}: {found(table)}, expected a table")
+    try:
+        return dict(plain(table))
+    except RecursionError:
+        raise PockmarkError(f"{source}: has tables in tables without an end") from None
 
 
 def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:

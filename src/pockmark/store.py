@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from . import PHYSICS, __version__, _core
 from .errors import PockmarkError
-from .files import read_text, told, write_text
+from .files import AnyPath, as_path, read_text, told, write_text
 from .history import Rows, append_row, read_rows
 from .lock import LOCK, Lock, holder
 from .manifest import Measured, parse_manifest, row_as_record, validated
@@ -42,17 +42,21 @@ UNENDED = ("running", "killed")
 class RunFolder:
     """One run on disk."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: AnyPath) -> None:
         """Wrap a path; nothing is touched."""
-        self.path = path
+        self.path = as_path(path)
         self._lock: Lock | None = None
 
+    def __fspath__(self) -> str:
+        """Return the path: a run folder may be given where a path is asked for."""
+        return str(self.path)
+
     @classmethod
-    def create(cls, path: str | Path, scene: Scene, *, force: bool = False) -> "RunFolder":
+    def create(cls, path: AnyPath, scene: Scene, *, force: bool = False) -> "RunFolder":
         """Make the folder for a new run and lock it until release(). Raises PockmarkError if something else is there."""
-        folder = cls(Path(path))
+        folder = cls(path)
         folder.require_free(force=force)
-        with told(path):
+        with told(folder.path):
             folder.path.mkdir(parents=True, exist_ok=True)
         folder._lock = Lock(folder.path)
         try:
@@ -66,11 +70,11 @@ class RunFolder:
         return folder
 
     @classmethod
-    def open(cls, path: str | Path) -> "RunFolder":
+    def open(cls, path: AnyPath) -> "RunFolder":
         """Open an existing run. Raises PockmarkError if it is none."""
-        folder = cls(Path(path))
+        folder = cls(path)
         if not os.path.lexists(folder.path / MANIFEST):
-            raise PockmarkError(f"{path}: is not a run folder (it has no {MANIFEST})")
+            raise PockmarkError(f"{folder.path}: is not a run folder (it has no {MANIFEST})")
         folder.manifest()
         return folder
 

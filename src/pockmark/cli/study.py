@@ -6,14 +6,16 @@ from typing import Annotated
 import typer
 
 from ..campaign import FILE, cases, load
-from ..errors import shown
+from ..errors import PockmarkError, shown
 from ..study import make_report, run_study, summary, write_results
 from ..terminal import literal
 from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse
 
 
 def study(
-    name: Annotated[str, typer.Argument(help=f"A folder with a {FILE}, or the name of one in ./studies.")],
+    name: Annotated[
+        str, typer.Argument(help=f"A folder with a {FILE}, that file, or the name of a folder in ./studies.")
+    ],
     quick: Annotated[bool, typer.Option(help="The coarse, short form.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="A group or figure of the campaign.")] = None,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Runs at a time; they share the cores.")] = 1,
@@ -23,7 +25,7 @@ def study(
     coarse: Coarse = False,
 ) -> None:
     """Run a campaign: a scene with swept keys. What is there is not run again; what fails stops nothing."""
-    folder = next((f for f in (Path(name), Path("studies") / name) if (f / FILE).exists()), Path(name))
+    folder = _folder(name)
     campaign = load(folder)
     wanted = cases(campaign, folder, quick=quick, only=only or [])
     try:
@@ -54,3 +56,13 @@ def study(
         )
     if failed or doubtful:
         raise typer.Exit(1 if failed else DOUBTFUL)
+
+
+def _folder(name: str) -> Path:
+    """Return the folder of a campaign. Raises PockmarkError for a file that is none."""
+    path = Path(name)
+    if path.is_file():
+        if path.name != FILE:
+            raise PockmarkError(f"{path}: is a file, expected a folder with a {FILE}, or that file")
+        return path.parent
+    return next((f for f in (path, Path("studies") / name) if (f / FILE).exists()), path)
