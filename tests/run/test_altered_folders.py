@@ -235,3 +235,11 @@ def test_a_folder_that_the_user_names_by_a_link_is_fine(original, tmp_path):
     (tmp_path / "link").symlink_to(original[0])
     assert measure(tmp_path / "link") == original[1]
     assert standing_of(tmp_path / "link") == ""
+
+
+@pytest.mark.parametrize("time", [1.0001e4, 1e300])
+def test_a_time_that_no_run_has_is_told(time, folder):
+    manifest = RunFolder(folder).manifest()
+    manifest["run"]["time"] = time
+    RunFolder(folder).write_manifest(manifest)
+    assert "run.time" in refusal(measure, folder)

@@ -2,14 +2,15 @@
 
 import os
 import random
+import zlib
 
 import h5py
 import numpy as np
 import pytest
 from altered import LAST, every_reader, refusal
 
-from pockmark import PockmarkError
-from pockmark.run.store import Snapshot
+from pockmark import PockmarkError, measure
+from pockmark.run.store import RunFolder, Snapshot
 
 FLIPS = 40  # seeded single bits, in the tables and in the numbers of a snapshot
 
@@ -111,13 +112,13 @@ def test_a_snapshot_that_is_none_is_told(change, folder):
 
 
 def _edited(name, change):
-    """A field changed with its check sum taken away, as another program may."""
+    """A field changed with its check sum, as a careful forger may."""
 
     def alter(root):
         values = root[name][...]
         change(values)
         root[name][...] = values
-        del root[name].attrs["crc32"]
+        root[name].attrs["crc32"] = np.uint32(zlib.crc32(np.ascontiguousarray(values).tobytes()))
 
     return _in_file(alter)
 
@@ -127,6 +128,29 @@ def _put(index, value):
         values[index] = value
 
     return change
+
+
+def test_a_snapshot_without_a_check_sum_is_told(folder):
+    _in_file(lambda root: root[MASS].attrs.__delitem__("crc32"))(folder / LAST)
+    for reader in every_reader():
+        assert "PointData/mass has no check sum" in refusal(reader, folder)
+
+
+def test_a_snapshot_of_another_scene_is_told(folder, original):
+    hashed = Snapshot(folder / LAST).scene_hash
+    assert hashed == RunFolder(folder).manifest()["scene_hash"]
+    _in_file(lambda root: root.attrs.__setitem__("scene_hash", np.bytes_(b"another")))(folder / LAST)
+    for reader in every_reader():
+        assert "is a snapshot of another scene" in refusal(reader, folder)
+    # As in files of before the hash was written.
+    _in_file(lambda root: root.attrs.__delitem__("scene_hash"))(folder / LAST)
+    assert measure(folder) == original[1]
+
+
+@pytest.mark.parametrize("value", [1, 1.5, [1, 2], "text", b"\xff", h5py.Empty("f8")], ids=repr)
+def test_a_hash_that_is_none_is_told(value, folder):
+    _in_file(lambda root: root.attrs.__setitem__("scene_hash", value))(folder / LAST)
+    assert LAST in refusal(measure, folder)
 
 
 EDITS = {

@@ -191,6 +191,7 @@ def test_a_hangup_is_ignored_where_it_was(tmp_path):
 
 CAMPAIGN = f"""
 scene = "quick.toml"
+coarse = true
 set = {{ {", ".join(f'"{key}" = {value}' for key, _, value in (change.partition("=") for change in LONG))} }}
 
 [[group]]
@@ -246,7 +247,7 @@ def test_a_worker_that_is_killed_stops_no_other_run(campaign):
 
     killer = threading.Thread(target=kill_the_first)
     killer.start()
-    outcomes = run_study(found, out, jobs=1, console=Console(file=io.StringIO()))
+    outcomes = run_study(found, out, jobs=1, console=Console(file=io.StringIO()), coarse=True)
     killer.join()
     print([outcome.fault for outcome in outcomes])
     assert [bool(outcome.fault) for outcome in outcomes] == [True, False, False]

@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 
 from pockmark import PockmarkError, Scene
+from pockmark.cli import app
 from pockmark.run.pipeline import run_scene
 from pockmark.scene.forecast import _memory_warning, available_memory, forecast
-from pockmark.scene.warnings import _particle_speed, cells_across, predicted_depth, settling_time
+from pockmark.scene.prospect import predicted_depth, settling_time
+from pockmark.scene.warnings import _particle_speed, cells_across, warnings
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 NORMAL, QUICK = EXAMPLES / "normal-2200.toml", EXAMPLES / "quick.toml"
@@ -144,3 +146,105 @@ def test_a_side_short_of_its_face_is_told():
     keys = ("grid.cell='3 um'",)
     assert any("its points end 2 um short of the transmitting face x_upper, at 101 um" in w or
                "its points end 1 um short of the transmitting face x_upper, at 101 um" in w for w in said(NORMAL, *keys))  # fmt: skip
+
+
+FLYER = {"name": "flyer", "shape": "block", "lower": ["-10 um", "0 um", "0 um"], "upper": ["10 um", "10 um", "20 um"],
+         "spacing": "1 um", "material": "al2024-liu2015", "projectile": True}  # fmt: skip
+
+
+def table_of(path, *overrides, projectile=FLYER):
+    """A scene with another projectile."""
+    table = Scene.load(path, overrides).to_dict()
+    table["body"][1] = projectile
+    return Scene.from_dict(table)
+
+
+def test_a_block_counts_as_the_ball_of_its_volume():
+    scene = table_of(NORMAL, "end_time='60 ns'")
+    ball = math.cbrt(6 / math.pi) * 20e-6  # of the whole cube: half of it is behind the symmetry plane
+    depth = predicted_depth(scene, scene.materials["al2024-liu2015"])
+    assert depth == pytest.approx(0.999 * ball, rel=1e-3)
+    found = warnings(scene)
+    print(found)
+    assert any(
+        w.startswith("end_time: 60 ns; the crater is settled after about 80.1 ns (by a ball of")
+        for w in found
+    )
+    thin = table_of(NORMAL, "body.target.lower=['-100 um', '0 um', '-40 um']")
+    assert any(
+        "Eq. 22 predicts a crater 24.8 um deep (by a ball of the projectile's volume), more than half" in w
+        for w in warnings(thin)
+    )
+    # Its middle lies on the plane: as wide as a ball's crater, and no wider.
+    keys = (
+        "grid.upper=['100 um', '49 um', '50 um']",
+        "body.target.upper=['100 um', '49 um', '0 um']",
+        "grid.cell='1 um'",
+    )
+    wide = [w for w in warnings(table_of(NORMAL, *keys)) if "wide along" in w]
+    assert len(wide) == 1
+    assert "49.6 um wide along y, more than half of the grid, 98 um" in wide[0]
+
+
+def test_a_target_without_a_yield_strength_has_no_forecast():
+    plain = Scene.load(NORMAL).to_dict()
+    plain["materials"]["al2024-liu2015"] |= {
+        "strength": {"model": "fluid"},
+        "failure": {"treatment": "inactive"},
+    }
+    scene = Scene.from_dict(plain)
+    found = [w for w in warnings(scene) if "Eq. 22" in w]
+    assert found == [
+        "material 'al2024-liu2015' has no yield strength, which Eq. 22 needs: neither the size of a crater in it nor when it has "
+        "settled can be forecast"
+    ]
+    assert not any("settled after" in w for w in warnings(scene))
+
+
+def test_what_arrives_after_the_end_is_told_without_a_forecast_too():
+    plain = Scene.load(NORMAL, ["end_time='5 ns'", "body.projectile.gap='22 um'"]).to_dict()
+    plain["materials"]["al2024-liu2015"] |= {
+        "strength": {"model": "fluid"},
+        "failure": {"treatment": "inactive"},
+    }
+    assert "end_time: 5 ns; the last projectile is at z = 0 after about 10 ns" in warnings(
+        Scene.from_dict(plain)
+    )
+
+
+def test_nothing_is_said_of_a_target_that_is_not_there():
+    table = Scene.load(NORMAL).to_dict()
+    del table["body"][0]
+    found = warnings(Scene.from_dict(table))
+    print(found)
+    assert not any("under the target's surface" in w for w in found)
+    assert any("found no target" in w for w in found)
+
+
+def rows(scene):
+    return dict(forecast(scene, 1).impact)
+
+
+def test_what_hits_and_how_hard_is_said():
+    mass = 2112 * 2 * 1e-18 * 2770  # of the example's half ball
+    found = rows(Scene.load(NORMAL, ["impact.angle='30 deg'"]))
+    assert found == {
+        "speed": "2.2 km/s",
+        "angle from the normal": "30 deg",
+        "projectile's diameter": "20 um",
+        "mass": f"{mass:.4g} kg, mirror images included",
+        "energy": f"{0.5 * mass * 2200**2:.4g} J",
+    }
+    assert rows(table_of(NORMAL))["projectile's diameter"] == "24.81 um, of a ball of its volume"
+    swarm = rows(Scene.load(EXAMPLES / "group-4500.toml"))
+    assert swarm["largest of 8 projectiles"] == "16 um"
+    assert "their energy" in swarm
+    assert rows(Scene.load(QUICK, ["body.1.projectile=false"])) == {}
+
+
+def test_check_prints_what_hits(capsys):
+    app(["check", str(NORMAL)], standalone_mode=False)
+    text = capsys.readouterr().out
+    for name, value in rows(Scene.load(NORMAL)).items():
+        assert name in text
+        assert value.partition(",")[0] in text

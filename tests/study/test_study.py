@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import shutil
 import subprocess
 import sys
@@ -13,7 +14,7 @@ from rich.console import Console
 from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.run.pipeline import run_scene
 from pockmark.study.campaign import cases, load
-from pockmark.study.runner import is_done, place, run_study, summary, write_results
+from pockmark.study.runner import Outcome, is_done, place, run_study, summary, write_results
 
 ROOT = Path(__file__).parents[2]
 TEXT = """
@@ -74,6 +75,42 @@ def test_what_is_done_is_kept_and_what_fails_stops_nothing(folder, tmp_path):
     assert float(rows[1]["energy.residual_internal"]) == again[1].result["energy"]["residual_internal"]
     assert {(row["version"], row["physics"]) for row in rows} == {(__version__, str(PHYSICS))}
     assert summary(again, "t").row_count == 3
+
+
+def test_lists_of_a_result_are_json_in_the_table(folder, tmp_path):
+    case, said = cases(load(folder), folder, quick=True, only=[])[0], ['a "b"', "c, d"]
+    result = {
+        "warnings": said,
+        "doubts": [],
+        "ejecta": {"momentum": [1e-9, None]},
+        "group": {"each": [{"x": 1}]},
+    }
+    write_results([Outcome(case, result)], tmp_path, tmp_path / "results.csv")
+    (row,) = csv.DictReader((tmp_path / "results.csv").open())
+    assert (json.loads(row["warnings"]), json.loads(row["doubts"])) == (said, [])
+    assert json.loads(row["ejecta.momentum"]) == [1e-9, None]
+    assert "group.each" not in row
+
+
+@pytest.mark.parametrize("allowed_by", ["", "an option", "the campaign"])
+def test_a_coarse_run_of_a_campaign_is_refused_unless_allowed(allowed_by, folder, tmp_path):
+    text = TEXT.replace('end_time = "2 ns"', 'end_time = "1 ns", "body.1.radius" = "7.5 um"')
+    if allowed_by == "the campaign":
+        text = text.replace("title", "coarse = true\ntitle", 1)
+    (folder / "campaign.toml").write_text(text)
+    words = ["study", folder, "--only", "again", "-o", tmp_path / "out"]
+    done = command(*words, *(["--coarse"] if allowed_by == "an option" else []))
+    rows = [*csv.DictReader((folder / "results.csv").open())]
+    assert len(rows) == 2
+    if allowed_by:
+        assert done.returncode == 0
+        assert done.stdout.count("warning") == 4
+        assert all("3 cells across the projectile" in row["warnings"] for row in rows)
+        return
+    assert done.returncode == 1
+    assert done.stdout.count("2 of 2 runs failed") == 1
+    for row in rows:
+        assert "puts 3 cells across the projectile, at least 4 are needed; --coarse" in row["fault"]
 
 
 def test_a_part_of_a_campaign_keeps_the_rows_of_the_others(folder, tmp_path):
@@ -162,22 +199,17 @@ def test_the_committed_campaigns_load():
         assert all(0 < int(row["physics"]) <= PHYSICS for row in rows)
 
 
+def command(*words):
+    """`pockmark WORDS`."""
+    line = [sys.executable, "-m", "pockmark", *map(str, words)]
+    done = subprocess.run(line, capture_output=True, text=True, timeout=120, check=False)
+    print(done.stdout, done.stderr)
+    return done
+
+
 def test_the_command_runs_a_campaign_and_says_where_its_table_is(folder, tmp_path):
-    words = [
-        sys.executable,
-        "-m",
-        "pockmark",
-        "study",
-        folder,
-        "--quick",
-        "--only",
-        "speeds",
-        "-o",
-        tmp_path / "out",
-    ]
     for there in (0, 2):
-        done = subprocess.run([*map(str, words)], capture_output=True, text=True, timeout=120, check=False)
-        print(done.stdout, done.stderr)
+        done = command("study", folder, "--quick", "--only", "speeds", "-o", tmp_path / "out")
         assert done.returncode == 0
         assert done.stdout.count("was there") == there
         assert len(list(csv.DictReader((tmp_path / "out" / "results-quick.csv").open()))) == 2

@@ -8,34 +8,49 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .errors import PockmarkError
+from .errors import PockmarkError, found
 
-LARGEST_TEXT = 2**20  # bytes of a manifest or a scene; theirs are kilobytes
+LARGEST_TEXT = 2**20  # bytes of a manifest or a scene of a run folder; theirs are kilobytes
+AnyPath = str | os.PathLike[str]
 
 
-def open_regular(path: Path, flags: int) -> int:
-    """Return a descriptor of a regular file. Raises PockmarkError for anything else, at once and without following a link."""
+def as_path(value: AnyPath) -> Path:
+    """Return what a user gives as a path. Raises PockmarkError for what can be none."""
+    try:
+        path = Path(value)
+    except TypeError:
+        raise PockmarkError(f"{found(value)}, expected a path") from None
+    if "\0" in str(path):
+        raise PockmarkError(f"{path}: is no path, for it has a NUL character")
+    return path
+
+
+def open_regular(path: Path, flags: int, *, follow: bool = False) -> int:
+    """Return a descriptor of a regular file. Raises PockmarkError for anything else, at once; a link is such unless it may be
+    followed."""
     try:
         # A pipe without a writer would keep a plain open() waiting.
-        descriptor = os.open(path, flags | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, 0o666)
+        descriptor = os.open(
+            path, flags | os.O_NONBLOCK | os.O_CLOEXEC | (0 if follow else os.O_NOFOLLOW), 0o666
+        )
     except OSError as error:
         if error.errno in (errno.ELOOP, errno.ENXIO, errno.EISDIR):
-            raise PockmarkError(f"{path}: is no regular file ({_what(path)})") from None
-        raise PockmarkError(f"{path}: {reason(error)}") from None
+            raise PockmarkError(f"{path}: is no regular file ({_what(path, follow)})") from None
+        raise PockmarkError(
+            f"{path}: cannot be read ({reason(error)})" if follow else f"{path}: {reason(error)}"
+        ) from None
     if not stat.S_ISREG(os.fstat(descriptor).st_mode):
         os.close(descriptor)
-        raise PockmarkError(f"{path}: is no regular file ({_what(path)})")
+        raise PockmarkError(f"{path}: is no regular file ({_what(path, follow)})")
     return descriptor
 
 
-def read_text(path: Path) -> str:
-    """Return a short file's text, UTF-8. Raises PockmarkError for what is too long, no text or no regular file."""
-    with told(path), open(open_regular(path, os.O_RDONLY), "rb") as file:
-        read = file.read(LARGEST_TEXT + 1)
-    if len(read) > LARGEST_TEXT:
-        raise PockmarkError(
-            f"{path}: has more than {LARGEST_TEXT:,} bytes, which no file of pockmark's needs"
-        )
+def read_text(path: Path, *, largest: int = LARGEST_TEXT, follow: bool = False) -> str:
+    """Return a short file's text, UTF-8. Raises PockmarkError for what has more bytes than `largest`, is no text or no regular file."""
+    with told(path), open(open_regular(path, os.O_RDONLY, follow=follow), "rb") as file:
+        read = file.read(largest + 1)
+    if len(read) > largest:
+        raise PockmarkError(f"{path}: has more than {largest:,} bytes, which no file of pockmark's needs")
     try:
         return read.decode()
     except UnicodeDecodeError:
@@ -82,9 +97,12 @@ def reason(error: Exception) -> str:
     return (isinstance(error, OSError) and error.strerror) or " ".join(str(error).split())
 
 
-def _what(path: Path) -> str:
+def _what(path: Path, follow: bool) -> str:
     """Name the kind of thing at a path."""
-    mode = os.lstat(path).st_mode
+    try:
+        mode = os.stat(path, follow_symlinks=follow).st_mode
+    except OSError:
+        return "a link to itself"
     kinds = {
         stat.S_IFLNK: "a symbolic link, which is not followed",
         stat.S_IFDIR: "a folder",

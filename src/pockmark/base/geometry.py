@@ -1,5 +1,6 @@
 """What a measure needs to know of a scene: symmetry planes, the wall, the bodies. Plain data, without the scene itself."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 Corner = tuple[float, float, float]
@@ -63,8 +64,15 @@ class Setup:
     hits: tuple[tuple[float, float], ...] = ()  # where a swarm's balls meet z = 0, without mirror images
     pitch: float = 0.0  # of a swarm's neighbours
     centre: tuple[float, float] = (0.0, 0.0)  # x and y of the first projectile, or of the grid
+    arrival: float | None = None  # s: when the first projectile meets z = 0; None where none moves
+    settled: float | None = None  # s: when the crater should have settled; None where nothing is known
 
     @property
     def targets(self) -> tuple[int, ...]:
         """Indices of the bodies that are no projectiles."""
         return tuple(i for i in range(len(self.names)) if i not in self.projectiles)
+
+
+def copies(mirrors: Sequence[Mirror]) -> int:
+    """Return how many times the whole impact holds what is computed."""
+    return int(2 ** len(mirrors))

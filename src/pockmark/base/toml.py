@@ -9,17 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from .errors import PockmarkError
+from .files import AnyPath, as_path, read_text
+
+LARGEST = 2**22  # bytes of a scene or a campaign that a user wrote
 
 
-def read_toml(path: str | Path) -> dict[str, Any]:
-    """Return the tables of a file. Raises PockmarkError naming it."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except OSError as error:
-        raise PockmarkError(f"{path}: cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError:
-        raise PockmarkError(f"{path}: is not a text file") from None
-    return parse_toml(text, path)
+def read_toml(path: AnyPath) -> dict[str, Any]:
+    """Return the tables of a user's file, which may be a link. Raises PockmarkError naming it."""
+    where = as_path(path)
+    return parse_toml(read_text(where, largest=LARGEST, follow=True), where)
 
 
 def parse_toml(text: str, path: str | Path) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from .common import CONSOLE, Overrides, SceneFile, Threads
 
 
 def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -> None:
-    """Forecast points, cells, steps, memory and time of a scene, before anything runs."""
+    """Forecast points, cells, steps, memory and time of a scene, and say what hits and how hard, before anything runs."""
     loaded = Scene.load(scene, overrides or ())
     expected = forecast(loaded, thread_count(threads))
     table = Table(show_header=False, title=literal(loaded.title or scene, "table.title"))
@@ -18,6 +18,8 @@ def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -
     table.add_row("cells", f"{expected.cells:,}")
     if expected.cells_across is not None:
         table.add_row("cells across the projectile", f"{expected.cells_across:.3g}")
+    for row in expected.impact:
+        table.add_row(*row)
     table.add_row("steps, about", f"{expected.steps:,}")
     table.add_row("memory at its peak", f"{expected.memory / 2**20:,.0f} MiB")
     table.add_row("disk", f"{expected.disk / 1e6:,.0f} MB")

@@ -9,6 +9,7 @@ from ..base.terminal import make_console
 
 CONSOLE = make_console()
 MAX_PATH = 4096  # characters of a path that are printed
+DOUBTFUL = 3  # exit code where a run finished in a state that cannot be
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene in TOML.")]
 RunDir = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]
@@ -19,5 +20,8 @@ Overrides = Annotated[
         metavar="KEY=VALUE",
         help="Change a key: impact.speed='4 km/s', body.projectile.radius='5 um' (by name, or counted from 0).",
     ),
+]
+Coarse = Annotated[
+    bool, typer.Option("--coarse", help="Run with fewer than four cells across the projectile.")
 ]
 Threads = Annotated[int, typer.Option(help="Threads; 0 takes every core.")]

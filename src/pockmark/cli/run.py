@@ -15,9 +15,7 @@ from ..run.stop import heard_between_steps
 from ..scene.forecast import forecast
 from ..scene.scene import Scene
 from ..view.report import report
-from .common import CONSOLE, MAX_PATH, Overrides, SceneFile, Threads
-
-DOUBTFUL = 3  # exit code of a run that finished in a state that cannot be
+from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse, Overrides, SceneFile, Threads
 
 
 def run(
@@ -27,9 +25,7 @@ def run(
     threads: Threads = 0,
     force: Annotated[bool, typer.Option(help="Replace a run that is there.")] = False,
     quiet: Annotated[bool, typer.Option(help="No progress bar.")] = False,
-    coarse: Annotated[
-        bool, typer.Option("--coarse", help="Run with fewer than four cells across the projectile.")
-    ] = False,
+    coarse: Coarse = False,
 ) -> None:
     """Run a scene; measure and draw the crater."""
     loaded = Scene.load(scene, overrides or ())

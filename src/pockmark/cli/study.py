@@ -5,28 +5,31 @@ from typing import Annotated
 
 import typer
 
-from ..base.errors import shown
+from ..base.errors import PockmarkError, shown
 from ..base.terminal import literal
 from ..study.campaign import FILE, cases, load
 from ..study.runner import make_report, run_study, summary, write_results
-from .common import CONSOLE, MAX_PATH
+from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse
 
 
 def study(
-    name: Annotated[str, typer.Argument(help=f"A folder with a {FILE}, or the name of one in ./studies.")],
+    name: Annotated[
+        str, typer.Argument(help=f"A folder with a {FILE}, that file, or the name of a folder in ./studies.")
+    ],
     quick: Annotated[bool, typer.Option(help="The coarse, short form.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="A group or figure of the campaign.")] = None,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Runs at a time; they share the cores.")] = 1,
     output: Annotated[Path, typer.Option("-o", "--output", help="Where the runs are kept.")] = Path(
         "runs/studies"
     ),
+    coarse: Coarse = False,
 ) -> None:
     """Run a campaign: a scene with swept keys. What is there is not run again; what fails stops nothing."""
-    folder = next((f for f in (Path(name), Path("studies") / name) if (f / FILE).exists()), Path(name))
+    folder = _folder(name)
     campaign = load(folder)
     wanted = cases(campaign, folder, quick=quick, only=only or [])
     try:
-        outcomes = run_study(wanted, output, jobs=jobs, console=CONSOLE)
+        outcomes = run_study(wanted, output, jobs=jobs, console=CONSOLE, coarse=coarse or campaign.coarse)
     except KeyboardInterrupt:
         CONSOLE.print("interrupted: what is done is kept, the same command goes on", style="yellow")
         raise typer.Exit(130) from None
@@ -46,4 +49,20 @@ def study(
         make_report(folder / campaign.report, table, output)
     if failed := sum(bool(o.fault) for o in outcomes):
         CONSOLE.print(f"{failed} of {len(outcomes)} runs failed", style="red")
-        raise typer.Exit(1)
+    if doubtful := sum(outcome.is_doubtful for outcome in outcomes):
+        CONSOLE.print(
+            f"{doubtful} of {len(outcomes)} runs are doubtful: their numbers are worth little",
+            style="bold red",
+        )
+    if failed or doubtful:
+        raise typer.Exit(1 if failed else DOUBTFUL)
+
+
+def _folder(name: str) -> Path:
+    """Return the folder of a campaign. Raises PockmarkError for a file that is none."""
+    path = Path(name)
+    if path.is_file():
+        if path.name != FILE:
+            raise PockmarkError(f"{path}: is a file, expected a folder with a {FILE}, or that file")
+        return path.parent
+    return next((f for f in (path, Path("studies") / name) if (f / FILE).exists()), path)

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..base.errors import shown
 from ..base.geometry import ENOUGH_CELLS_ACROSS, LEAST_LAYERS, Setup
+from ..base.lengths import in_metres
 from .crater import FIT_RADIUS, Crater
 from .hole import Hole
 from .results import misplaced
@@ -22,7 +24,7 @@ def missing(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Iterator[str]
     if not setup.targets:
         yield "the scene has no target: every body is a projectile, and there is no crater to measure"
     elif wall is None:
-        tops = ", ".join(f"{top * 1e6:.4g} um" for top in setup.tops)
+        tops = ", ".join(f"{in_metres(top)}" for top in setup.tops)
         yield f"no block of the target has its top at z = 0, where the crater is measured from (found {tops}): nothing is measured"
     elif wall.layers < LEAST_LAYERS:
         yield "the target is one point thick, where neither a crater nor a hole can be told: nothing is measured"
@@ -34,6 +36,33 @@ def missing(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Iterator[str]
         yield "no point of the target is left below z = 0: there is no crater to measure"
 
 
+def of_nothing(crater: Crater | None, surface: Surface | None, setup: Setup, time: float) -> Iterator[str]:
+    """Say why there is no crater at a time (s), in a target that one could be measured in."""
+    wall = setup.wall
+    if crater is not None or wall is None or (surface is not None and surface.holes.any()):
+        return
+    if setup.arrival is not None and time < setup.arrival:
+        yield (
+            f"there is no crater yet: the run came to {time * 1e9:.4g} ns, and the first projectile is at z = 0 after "
+            f"{setup.arrival * 1e9:.4g} ns"
+        )
+    else:
+        yield (
+            "there is no crater: the target's surface is whole, with nothing open deeper than half a point spacing, "
+            f"{in_metres(wall.spacing / 2)}"
+        )
+
+
+def of_other_walls(setup: Setup) -> Iterator[str]:
+    """Name the walls that no measure is of."""
+    first = setup.wall.bodies if setup.wall else ()
+    other = [i for wall in setup.walls or () for i in wall if i not in first]
+    if first and other:
+        names = ", ".join(f"'{shown(setup.names[i], 40)}'" for i in other[:5])
+        more = f" and {len(other) - 5} more" if len(other) > 5 else ""
+        yield f"only the first wall is measured: what the impact does to {names}{more} is not in this table"
+
+
 def of_hole(hole: Hole | None, surface: Surface | None, setup: Setup) -> Iterator[str]:
     """Say what a hole makes of the other measures."""
     wall = setup.wall
@@ -41,13 +70,13 @@ def of_hole(hole: Hole | None, surface: Surface | None, setup: Setup) -> Iterato
         return
     if hole is None:
         yield (
-            f"the crater reaches the bottom of what is computed, {wall.thickness * 1e6:.4g} um down (z_lower is {wall.face}): "
+            f"the crater reaches the bottom of what is computed, {in_metres(wall.thickness)} down (z_lower is {wall.face}): "
             "whether it is a hole or a crater cannot be told, and no measure is given"
         )
         return
     which = "a hole" if hole.count == 1 else f"{hole.count} holes"
     yield (
-        f"perforated: {which} through the wall of {wall.thickness * 1e6:.4g} um; there is no crater depth, diameter or volume"
+        f"perforated: {which} through the wall of {in_metres(wall.thickness)}; there is no crater depth, diameter or volume"
     )
     if hole.width is None:
         yield "every hole reaches the edge of what is computed: its width is not known"
@@ -61,7 +90,7 @@ def of_crater(crater: Crater | None, surface: Surface | None, setup: Setup) -> I
     depth, thickness = crater.depth, wall.thickness
     if depth > thickness / 2:
         yield (
-            f"the crater, {depth * 1e6:.4g} um deep, is deeper than half of the target of {thickness * 1e6:.4g} um: "
+            f"the crater, {in_metres(depth)} deep, is deeper than half of the target of {in_metres(thickness)}: "
             "the target's back has a share in it"
         )
     edge, (x, y) = FIT_RADIUS * surface.spacing, crater.bottom
@@ -79,13 +108,13 @@ def of_crater(crater: Crater | None, surface: Surface | None, setup: Setup) -> I
     axis = int(np.argmax(wide / room))
     if wide[axis] > room[axis] / 2:
         yield (
-            f"the crater, {wide[axis] * 1e6:.4g} um wide along {'xy'[axis]}, is wider than half of the target's "
-            f"{room[axis] * 1e6:.4g} um: the side faces have a share in it"
+            f"the crater, {in_metres(wide[axis])} wide along {'xy'[axis]}, is wider than half of the target's "
+            f"{in_metres(room[axis])}: the side faces have a share in it"
         )
 
 
-def of_resolution(setup: Setup, change: float | None) -> Iterator[str]:
-    """Say where the points or the time are too few."""
+def of_resolution(setup: Setup, crater: Crater | None, change: float | None) -> Iterator[str]:
+    """Say where the points or the time are too few; `change` of the depth in the last tenth, None where it is not known."""
     wall, cells = setup.wall, setup.cells_across
     if cells is not None and cells < ENOUGH_CELLS_ACROSS:
         yield (
@@ -98,3 +127,11 @@ def of_resolution(setup: Setup, change: float | None) -> Iterator[str]:
         )
     if change is not None and change > SETTLED:
         yield f"the depth still changes by {change:.1%} in the last tenth of the run: it has not settled"
+    elif change is None and crater is not None:
+        forecast = (
+            "" if setup.settled is None else f" (it should have after about {setup.settled * 1e9:.3g} ns)"
+        )
+        yield (
+            "whether the depth has settled is not known: in the last tenth of the run the history has no estimate of it"
+            + forecast
+        )

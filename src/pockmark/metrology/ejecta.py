@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.geometry import Mirror, Setup
+from ..base.geometry import Mirror, Setup, copies
 from .pieces import attached
 
 Array = NDArray[np.float64]
@@ -51,11 +51,6 @@ def find_ejecta(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Ejecta:
     momentum = whole_momentum((mass[:, None] * velocity).sum(axis=0), setup.mirrors)
     kinetic = 0.5 * float(mass @ speed**2)
     return Ejecta(float(mass.sum()), momentum, kinetic, speed_edges, by_speed, angle_edges, by_angle)
-
-
-def copies(mirrors: Sequence[Mirror]) -> int:
-    """Return how many times the whole impact holds what is computed."""
-    return int(2 ** len(mirrors))
 
 
 def whole_momentum(momentum: Array, mirrors: Sequence[Mirror]) -> Array:

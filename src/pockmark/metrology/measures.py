@@ -39,12 +39,13 @@ def measures(
     change = table["crater"]["depth_change_last_tenth"] = _late_change(history)
     if group := group_of(surface, setup):
         table["group"] = results.group_table(group, setup)
-    table["ejecta"] = results.ejecta_table(snapshot, ledger, setup, is_open=is_open)
+    table["ejecta"] = results.ejecta_table(snapshot, ledger, setup, has_crater=crater is not None)
     table["warnings"] = [
-        *no_wall,
+        *(no_wall or cautions.of_nothing(crater, surface, setup, float(snapshot["time"][0]))),
         *cautions.of_hole(hole, surface, setup),
         *cautions.of_crater(crater, surface, setup),
-        *cautions.of_resolution(setup, change),
+        *cautions.of_other_walls(setup),
+        *cautions.of_resolution(setup, crater, change),
     ]
     worst = worst_error(history)
     table["energy"]["ledger_error_max"] = None if worst is None else worst[0]

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.geometry import LEAST_LAYERS, Setup
+from ..base.geometry import LEAST_LAYERS, Setup, copies
 from ..base.ledger import LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from .crater import Crater, measure_crater
-from .ejecta import copies, enhancement, find_ejecta, whole_momentum
+from .ejecta import enhancement, find_ejecta, whole_momentum
 from .ellipse import Ellipse
 from .hole import Hole, measure_hole
 from .lining import lining
@@ -184,10 +184,10 @@ def ejecta_table(
     ledger: Mapping[str, float],
     setup: Setup,
     *,
-    is_open: bool = False,
+    has_crater: bool = True,
 ) -> dict[str, Any]:
     """Return the ejecta in the grid and what left it, of the whole impact, SI; of what is in the grid None where points are no longer
-    anywhere. `is_open`: some fly through the wall, and beta is None."""
+    anywhere. Without a crater beta is None: nothing was thrown out of one, or some flies on through the wall."""
     n = copies(setup.mirrors)
     left = whole_momentum(n * np.array([ledger[key] for key in LEFT_MOMENTUM]), setup.mirrors)
     table: dict[str, Any] = dict.fromkeys(EJECTA) | {
@@ -198,7 +198,7 @@ def ejecta_table(
     if misplaced(snapshot):
         return table
     found = find_ejecta(snapshot, setup)
-    beta = None if is_open else enhancement(float(found.momentum[2] + left[2]), n * setup.momentum)
+    beta = enhancement(float(found.momentum[2] + left[2]), n * setup.momentum) if has_crater else None
     return table | {
         "mass": found.mass,
         "momentum": found.momentum.tolist(),

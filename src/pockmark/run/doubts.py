@@ -1,5 +1,6 @@
 """What makes a run doubtful: states that no material can be in, and energy that is lost or won."""
 
+import math
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -35,8 +36,8 @@ class Doubts:
                 if name not in self._places or points > self._places[name].points:
                     self._places[name] = Place(points, simulation.time, lower, upper)
         self._counted = counted
-        error = abs(row["error"]) / row["initial"] if row["initial"] > 0 else 0.0
-        if not error <= self._error:  # nan counts
+        error = abs(row["error"]) / row["initial"] if row["initial"] != 0 else 0.0
+        if not (error <= self._error or math.isnan(self._error)):  # nan counts, and stays
             self._error, self._when = error, simulation.time
 
     def sentences(self) -> list[str]:

@@ -31,7 +31,7 @@ class Run(_Part):
     points: Count
     cells: Count
     steps: Count
-    time: Positive
+    time: Annotated[float, Field(ge=0, le=1e4)]  # no scene may ask for more
     particle_steps_per_second: Positive | None
     max_compression: float | None
 

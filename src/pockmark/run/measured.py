@@ -1,27 +1,27 @@
 """A run folder to its measures."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..base.errors import PockmarkError
+from ..base.files import AnyPath
 from ..base.geometry import Setup
 from ..metrology import results
 from ..metrology.measures import UNWARNED, measures, surface_of, worst_error
 from ..metrology.surface import Surface
 from ..scene.scene import Scene
-from ..scene.warnings import frame_warnings
+from ..scene.warnings import lasting_warnings
 from ..view.report import standing
 from .doubts import doubts
 from .pipeline import treatments
 from .setup import setup_of
 from .snapshot import Snapshot
-from .store import RunFolder, finite
+from .store import UNENDED, RunFolder, finite
 
 
 @UNWARNED
-def measure_run(path: str | Path) -> dict[str, Any]:
+def measure_run(path: AnyPath) -> dict[str, Any]:
     """Measure crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
@@ -38,7 +38,8 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     history = folder.history("error", "initial")
     snapshot = in_the_grid(folder.last_snapshot(), scene)
     table = measures(snapshot, setup_of(scene), record.joules, run, record.counters, history)
-    table["warnings"] += frame_warnings(scene)
+    late = [] if status in UNENDED else _late_warning(float(snapshot["time"][0]), record.run.time)
+    table["warnings"] = [*dict.fromkeys(late + table["warnings"] + lasting_warnings(scene))]
     said = record.doubts
     if said is None:  # the run did not come to say them
         worst, when = worst_error(history) or (0.0, None)
@@ -47,15 +48,25 @@ def measure_run(path: str | Path) -> dict[str, Any]:
     return dict(finite(table))
 
 
+def _late_warning(snapshot_time: float, end: float) -> list[str]:
+    """Say where the last snapshot is not of the time (s) at which the run ended: its file may have been removed."""
+    if abs(snapshot_time - end) <= 1e-9 * end:
+        return []
+    return [
+        f"the last snapshot is of {snapshot_time * 1e9:.4g} ns, but the run ended at {end * 1e9:.4g} ns: the crater and the energies "
+        "below are of different times (is a snapshot missing?)"
+    ]
+
+
 @UNWARNED
-def surface_of_run(path: str | Path) -> Surface | None:
+def surface_of_run(path: AnyPath) -> Surface | None:
     """Return the target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
     folder = RunFolder.open(path)
     scene = folder.scene()
     return surface_in(in_the_grid(folder.last_snapshot(), scene), setup_of(scene))
 
 
-def standing_of(path: str | Path) -> str:
+def standing_of(path: AnyPath) -> str:
     """Return how a run that has not ended stands, in one sentence; an empty text for one that has ended."""
     folder = RunFolder.open(path)
     rows, snapshot = folder.rows(), folder.last_snapshot()

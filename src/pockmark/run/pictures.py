@@ -5,23 +5,22 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ..base.errors import PockmarkError
-from ..base.files import replaced, told
+from ..base.files import AnyPath, as_path, replaced, told
 from ..metrology import results
 from ..metrology.hole import measure_hole
 from ..metrology.measures import UNWARNED
 from ..view.plots import HISTORY_COLUMNS, history_figure, process_figure, slice_figure
 from .measured import in_the_grid, surface_in
 from .setup import setup_of
-from .snapshot import Snapshot
 from .store import UNENDED, RunFolder
 
 
 @UNWARNED
-def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
+def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
     """Draw crater.png (slice panels of the last snapshot) and history.png. Returns the files."""
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
-    target = Path(out) if out else folder.path
+    target = as_path(out) if out else folder.path
     snapshot, setup = in_the_grid(folder.last_snapshot(), scene), setup_of(scene)
     title = scene.title or folder.path.name
     surface = surface_in(snapshot, setup)
@@ -45,11 +44,11 @@ def plot_run(path: str | Path, out: str | Path | None = None) -> list[Path]:
 
 
 @UNWARNED
-def plot_process(path: str | Path) -> Figure:
+def plot_process(path: AnyPath) -> Figure:
     """Draw stress and pressure in the last four snapshots of a run folder."""
     folder = RunFolder.open(path)
     scene = folder.scene()
-    snapshots = [in_the_grid(Snapshot(file), scene) for file in folder.snapshots()[-4:]]
+    snapshots = [in_the_grid(folder.snapshot(file), scene) for file in folder.snapshots()[-4:]]
     if not snapshots:
-        raise PockmarkError(f"{path}: holds no snapshot")
+        raise PockmarkError(f"{folder.path}: holds no snapshot")
     return process_figure(snapshots, setup_of(scene))

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from ..base.counters import GONE
 from ..base.errors import PockmarkError
+from ..base.files import AnyPath
 from ..scene.scene import Scene
 from ..scene.warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
 from .provenance import now
@@ -18,7 +18,7 @@ from .tasks import History, ProgressBar, Snapshots
 
 def run_scene(
     scene: Scene,
-    path: str | Path,
+    path: AnyPath,
     *,
     threads: int | None = None,
     force: bool = False,
@@ -35,7 +35,7 @@ def run_scene(
             f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
         )
     with heard_between_steps() as stop_if_asked:
-        RunFolder(Path(path)).require_free(force=force)  # said before millions of points are laid
+        RunFolder(path).require_free(force=force)  # said before millions of points are laid
         simulation = Simulation(scene, threads)
         stop_if_asked()  # before `force` replaces a run
         folder = RunFolder.create(path, scene, force=force)

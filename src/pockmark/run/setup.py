@@ -1,6 +1,7 @@
 """A scene as its measures see it."""
 
 from ..base.geometry import Setup
+from ..scene.prospect import arrivals, settled_at
 from ..scene.scene import Scene
 from ..scene.warnings import cells_across
 from .wall import first_wall, walls
@@ -27,6 +28,8 @@ def setup_of(scene: Scene) -> Setup:
         hits=hits,
         pitch=pitch,
         centre=_centre(scene),
+        arrival=min(arrivals(scene), default=None),
+        settled=settled_at(scene),
     )
 
 

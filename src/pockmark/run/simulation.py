@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import _core
-from ..base.errors import PockmarkError
+from ..base.errors import PockmarkError, found
 from ..scene.scene import Scene
 from .points import make_points
 
@@ -155,9 +155,12 @@ class Simulation:
     ) -> None:
         """Step to the end, calling each task at its times; those of `exact` tasks, and the end, are hit exactly.
 
-        `watch` is called every second or so and changes nothing. KeyboardInterrupt comes through between steps.
+        `watch` is called every second or so and changes nothing. KeyboardInterrupt comes through between steps. Raises PockmarkError
+        where the end is no finite time.
         """
         end = self.scene.end_time if end_time is None else end_time
+        if not math.isfinite(end):
+            raise PockmarkError(f"end_time: {found(end)}, expected a finite time in s")
         counts = [0] * len(tasks)
         while True:
             for i, task in enumerate(tasks):

@@ -27,10 +27,12 @@ NEEDED = ("position", "velocity", "mass", "volume", "deviator", "pressure", "bod
 DERIVED = {"deviator": ("effective_stress", effective_stress)}  # written beside a field, what follows from it
 VERSION = "v108"  # of HDF5's format: the first with check sums of its own tables
 SUM = "crc32"
+HASH = "scene_hash"  # of the scene that the points are of
 
 
 class Snapshot(Mapping[str, NDArray[Any]]):
-    """The fields of a snapshot file, each read when it is first asked for; `time` is an array of one."""
+    """The fields of a snapshot file, each read when it is first asked for; `time` is an array of one. `scene_hash` is None in files of
+    before it was written."""
 
     def __init__(self, path: Path) -> None:
         """Look at the shapes of all fields. Raises PockmarkError if the file is not a whole snapshot."""
@@ -38,6 +40,7 @@ class Snapshot(Mapping[str, NDArray[Any]]):
         self._read: dict[str, NDArray[Any]] = {}
         self._places = {"position": "Points", "time": "FieldData/time"}
         with self._root() as (root, size):
+            self.scene_hash = _hash(root)
             self._places |= {name: f"PointData/{name}" for name in _group(root, "PointData")}
             if missing := [name for name in NEEDED if name not in self._places]:
                 raise PockmarkError(f"lacks the field {missing[0]}")
@@ -51,8 +54,8 @@ class Snapshot(Mapping[str, NDArray[Any]]):
             place = self._places[name]
             with self._root() as (root, size):
                 dataset = self._dataset(root, name, size)
-                values, expected = np.asarray(dataset[...]), dataset.attrs.get(SUM)
-                if expected is not None and _sum(values) != int(expected):
+                values = np.asarray(dataset[...])
+                if _sum(values) != int(dataset.attrs[SUM]):
                     raise PockmarkError(f"{place} is not what was written (its check sum differs)")
             self._read[name] = values
         return self._read[name]
@@ -77,6 +80,8 @@ class Snapshot(Mapping[str, NDArray[Any]]):
             raise PockmarkError(
                 f"{place} is of the type {dataset.dtype}, which pockmark does not write there"
             )
+        if SUM not in dataset.attrs:
+            raise PockmarkError(f"{place} has no check sum: another program has written it")
         return dataset
 
     @contextmanager
@@ -97,12 +102,15 @@ class Snapshot(Mapping[str, NDArray[Any]]):
             os.close(descriptor)
 
 
-def write_snapshot(path: Path, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> None:
-    """Write all fields of all points into a new file. Raises PockmarkError, and then there is none."""
+def write_snapshot(
+    path: Path, fields: Mapping[str, NDArray[Any]], time_s: float, step: int, scene_hash: str
+) -> None:
+    """Write all fields of all points of a scene into a new file. Raises PockmarkError, and then there is none."""
     with replaced(path) as descriptor:
         try:
             with h5py.File(f"/proc/self/fd/{descriptor}", "w", libver=(VERSION, VERSION)) as file:
                 _write_vtkhdf(file, fields, time_s, step)
+                file["VTKHDF"].attrs[HASH] = np.bytes_(scene_hash.encode())
         except (OSError, RuntimeError) as error:  # HDF5 tells a full disk as either
             raise PockmarkError(f"{path}: cannot be written ({reason(error)})") from None
 
@@ -140,6 +148,12 @@ def _put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
 
 def _sum(values: NDArray[Any]) -> int:
     return zlib.crc32(np.ascontiguousarray(values).data.cast("B")) if values.size else 0
+
+
+def _hash(root: h5py.Group) -> str | None:
+    """Return the hash of the scene that a snapshot is of, None where it does not say."""
+    found = root.attrs.get(HASH)
+    return None if found is None else bytes(found).decode(errors="replace")
 
 
 def _group(parent: h5py.Group, name: str) -> h5py.Group:

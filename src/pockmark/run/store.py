@@ -5,7 +5,6 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
-from ..base.files import read_text, told, write_text
+from ..base.files import AnyPath, as_path, read_text, told, write_text
 from ..base.toml import parse_toml
 from ..scene.scene import Scene, hash_of
 from .history import Rows, append_row, read_rows
@@ -41,17 +40,21 @@ UNENDED = ("running", "killed")
 class RunFolder:
     """One run on disk."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: AnyPath) -> None:
         """Wrap a path; nothing is touched."""
-        self.path = path
+        self.path = as_path(path)
         self._lock: Lock | None = None
 
+    def __fspath__(self) -> str:
+        """Return the path: a run folder may be given where a path is asked for."""
+        return str(self.path)
+
     @classmethod
-    def create(cls, path: str | Path, scene: Scene, *, force: bool = False) -> "RunFolder":
+    def create(cls, path: AnyPath, scene: Scene, *, force: bool = False) -> "RunFolder":
         """Make the folder for a new run and lock it until release(). Raises PockmarkError if something else is there."""
-        folder = cls(Path(path))
+        folder = cls(path)
         folder.require_free(force=force)
-        with told(path):
+        with told(folder.path):
             folder.path.mkdir(parents=True, exist_ok=True)
         folder._lock = Lock(folder.path)
         try:
@@ -65,11 +68,11 @@ class RunFolder:
         return folder
 
     @classmethod
-    def open(cls, path: str | Path) -> "RunFolder":
+    def open(cls, path: AnyPath) -> "RunFolder":
         """Open an existing run. Raises PockmarkError if it is none."""
-        folder = cls(Path(path))
+        folder = cls(path)
         if not os.path.lexists(folder.path / MANIFEST):
-            raise PockmarkError(f"{path}: is not a run folder (it has no {MANIFEST})")
+            raise PockmarkError(f"{folder.path}: is not a run folder (it has no {MANIFEST})")
         folder.manifest()
         return folder
 
@@ -173,7 +176,7 @@ class RunFolder:
         found = self.snapshots()
         number = 1 + (_number(found[-1]) or 0) if found else 0
         path = self.path / f"snapshot-{number:04d}.vtkhdf"
-        write_snapshot(path, fields, time_s, step)
+        write_snapshot(path, fields, time_s, step, str(self.manifest()["scene_hash"]))
         return path
 
     def last_snapshot(self) -> Snapshot:
@@ -183,9 +186,19 @@ class RunFolder:
             raise PockmarkError(f"{self.path}: holds no snapshot")
         if self.status() == "killed":
             for path in reversed(found):
-                with suppress(PockmarkError):
-                    return Snapshot(path)
-        return Snapshot(found[-1])
+                try:
+                    Snapshot(path)
+                except PockmarkError:  # it was being written
+                    continue
+                return self.snapshot(path)
+        return self.snapshot(found[-1])
+
+    def snapshot(self, path: Path) -> Snapshot:
+        """Return the fields of one of its snapshots. Raises PockmarkError if that is none, or of another scene."""
+        read = Snapshot(path)
+        if read.scene_hash not in (None, self.manifest()["scene_hash"]):
+            raise PockmarkError(f"{path}: is a snapshot of another scene than this run's")
+        return read
 
 
 def _number(path: Path) -> int | None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .. import _core
+from .prospect import impact_rows
 from .scene import Scene
 from .warnings import cells_across, warnings
 
@@ -35,6 +36,7 @@ class Forecast:
     disk: float  # bytes of the run folder
     seconds: float
     cells_across: float | None  # of the grid across the smallest projectile
+    impact: tuple[tuple[str, str], ...] = ()  # what hits, and how hard: names and values
     warnings: list[str] = field(default_factory=list)
 
 
@@ -53,6 +55,7 @@ def forecast(scene: Scene, threads: int) -> Forecast:
         disk=_disk(scene, points),
         seconds=points * steps * slower / rate,
         cells_across=cells_across(scene),
+        impact=tuple(impact_rows(scene)),
         warnings=warnings(scene) + _memory_warning(memory, available_memory()),
     )
 

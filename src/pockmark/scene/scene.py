@@ -5,12 +5,14 @@ import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Annotated, Any, Self
 
+import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
+from ..base import files
 from ..base.errors import PockmarkError, found, together
+from ..base.files import AnyPath, as_path
 from ..base.geometry import Mirror
 from ..base.toml import read_toml, to_toml
 from ..base.units import quantity
@@ -45,7 +47,7 @@ class Scene(Model):
     output: Output = Output()
 
     @classmethod
-    def load(cls, path: str | Path, overrides: str | Sequence[str] = ()) -> "Scene":
+    def load(cls, path: AnyPath, overrides: str | Sequence[str] = ()) -> "Scene":
         """Read a TOML scene; `overrides` are texts "key.key=value", or one such. Raises PockmarkError."""
         return cls.from_dict(read_toml(path), source=str(path), overrides=overrides)
 
@@ -54,7 +56,7 @@ class Scene(Model):
         cls, table: Mapping[str, Any], *, source: str = "scene", overrides: str | Sequence[str] = ()
     ) -> "Scene":
         """Build a scene from a table as TOML gives it. Raises PockmarkError naming `source` and the key."""
-        merged, told = dict(table), []
+        merged, told = _plain(table, source), []
         for text in [overrides] if isinstance(overrides, str) else overrides:
             try:
                 merged = override(merged, text)
@@ -205,9 +207,11 @@ class Scene(Model):
         """Return the scene as TOML with every default written out, SI numbers."""
         return to_toml(self.to_dict())
 
-    def save(self, path: str | Path) -> None:
-        """Write to_toml() to a file."""
-        Path(path).write_text(self.to_toml(), encoding="utf-8")
+    def save(self, path: AnyPath) -> None:
+        """Write to_toml() to a file. Raises PockmarkError."""
+        where = as_path(path)
+        with files.told(where):
+            where.write_text(self.to_toml(), encoding="utf-8")
 
     @property
     def hash(self) -> str:
@@ -249,6 +253,24 @@ class Scene(Model):
             for i, kind in enumerate(self.boundary.faces[:4])
             if kind == "symmetry"
         )
+
+
+def _plain(table: Mapping[str, Any], source: str) -> dict[str, Any]:
+    """Return a table of plain values: NumPy's numbers are numbers, and its arrays lists of them. Raises PockmarkError."""
+
+    def plain(value: Any) -> Any:
+        if isinstance(value, Mapping):
+            return {key: plain(item) for key, item in value.items()}
+        if isinstance(value, list | tuple):
+            return [plain(item) for item in value]
+        return value.tolist() if isinstance(value, np.generic | np.ndarray) else value
+
+    if not isinstance(table, Mapping):
+        raise PockmarkError(f"{source}: {found(table)}, expected a table")
+    try:
+        return dict(plain(table))
+    except RecursionError:
+        raise PockmarkError(f"{source}: has tables in tables without an end") from None
 
 
 def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:

@@ -6,10 +6,11 @@ from scipy.optimize import brentq
 
 from ..base.errors import shown
 from ..base.geometry import ENOUGH_CELLS_ACROSS
-from ..laws.equations import volume_energy
+from ..base.lengths import in_metres
 from .bodies import Solid
 from .grid import FACES
 from .materials import Material
+from .prospect import fit_warnings, settling_warnings
 from .scene import Scene
 
 MIN_CELLS_ACROSS = 4  # of the grid across the projectile's diameter
@@ -33,10 +34,9 @@ def is_too_coarse(scene: Scene) -> bool:
 
 def warnings(scene: Scene) -> list[str]:
     """Say what a careful analyst would ask about this scene."""
-    out = _impact_warnings(scene) + _resolution_warning(scene) + frame_warnings(scene)
-    out += _range_warnings(scene) + _crater_warnings(scene)
+    out = lasting_warnings(scene) + _top_warning(scene) + _resolution_warning(scene) + fit_warnings(scene)
     for i, body in enumerate(scene.body):
-        said = _lattice_warnings(body, scene)
+        said = _pitch_warning(body)
         if body.projectile:
             said += _face_warnings(body, scene)
         else:
@@ -47,13 +47,27 @@ def warnings(scene: Scene) -> list[str]:
     return out
 
 
-def _impact_warnings(scene: Scene) -> list[str]:
-    """Say whether there is an impact at all, and where its depth is measured from."""
+def lasting_warnings(scene: Scene) -> list[str]:
+    """Say what makes the result of this scene's run worth less, however the run goes: it stands in the result, too."""
+    out = _motion_warnings(scene) + frame_warnings(scene) + _range_warnings(scene) + settling_warnings(scene)
+    for i, body in enumerate(scene.body):
+        out += [f"body[{i}] '{shown(body.name)}': {text}" for text in _lattice_warnings(body, scene)]
+    return out
+
+
+def _motion_warnings(scene: Scene) -> list[str]:
+    """Say whether there is an impact at all."""
+    if not any(any(body.velocity or ()) for body in scene.body):
+        if not scene.projectiles:
+            return ["no body is marked projectile = true: nothing moves"]
+        if scene.impact.speed == 0:
+            return ["impact.speed is 0: nothing moves"]
+    return []
+
+
+def _top_warning(scene: Scene) -> list[str]:
+    """Say whether there is something to measure a crater in."""
     out = []
-    if not scene.projectiles and not any(body.velocity for body in scene.body):
-        out.append("no body is marked projectile = true: nothing moves")
-    elif scene.projectiles and scene.impact.speed == 0:
-        out.append("impact.speed is 0: nothing moves")
     tops = [scene.body[i].box[1][2] for i in scene.targets]
     if not any(abs(top) <= 0.01 * scene.grid.cell for top in tops):
         found = ", ".join(f"{top * 1e6:.4g} um" for top in tops) or "no target"
@@ -110,97 +124,28 @@ def _particle_speed(target: Material, projectile: Material, speed: float) -> flo
     return float(brentq(excess, 0.0, speed))
 
 
-def _crater_warnings(scene: Scene) -> list[str]:
-    """Say whether the crater that Liu et al. 2015, Eq. 22, predicts fits into the targets and the grid, and has time to settle."""
-    out, settled = [], 0.0
-    for i in scene.targets:
-        body = scene.body[i]
-        depth = predicted_depth(scene, scene.materials[body.material])
-        if body.flat_top is None or depth is None:
-            continue
-        settled = max(settled, settling_time(depth, scene.materials[body.material]))
-        if depth > body.diameter / 2:
-            out.append(
-                f"body[{i}] '{shown(body.name)}': Eq. 22 predicts a crater {depth * 1e6:.3g} um deep, more than half of its thickness, "
-                f"{body.diameter * 1e6:.4g} um: it may be perforated, or the crater feel what lies behind"
-            )
-        elif wide := _too_wide(scene, depth):
-            out.append(f"Eq. 22 predicts a crater {depth * 1e6:.3g} um deep, and so {wide}")
-    arrival = _arrival(scene)
-    if scene.end_time < arrival + settled:
-        out.append(
-            f"end_time: {scene.end_time * 1e9:.4g} ns; the crater is settled after about {(arrival + settled) * 1e9:.3g} ns"
-        )
-    return out
-
-
-def predicted_depth(scene: Scene, target: Material) -> float | None:
-    """Return the depth of the crater of the largest ball of the scene in a target, m, by Liu et al. 2015, Eq. 22, with the normal part of
-    the speed; None without a ball, a speed or a yield strength."""
-    normal = scene.impact.speed * math.cos(scene.impact.angle)
-    strength = target.yield_strength
-    if not normal or not strength:
-        return None
-    depths = [
-        diameter
-        * volume_energy(
-            normal,
-            projectile_density=scene.materials[scene.body[i].material].density,
-            target_strength=strength,
-        )
-        for i in scene.projectiles
-        if (diameter := scene.body[i].ball_diameter) is not None
-    ]
-    return max(depths, default=None)
-
-
-def settling_time(depth: float, target: Material) -> float:
-    """Time (s) that a crater of this depth (m) takes to settle: depth sqrt(rho/Y), as the target's strength stops it."""
-    assert target.yield_strength
-    return depth * math.sqrt(target.density / target.yield_strength)
-
-
-def _arrival(scene: Scene) -> float:
-    """Return when the last projectile meets z = 0 with its lower side, s."""
-    heights = [scene.body[i].box[0][2] for i in scene.projectiles]
-    return max([0.0, *heights]) / -scene.impact.velocity[2] if scene.impact.speed else 0.0
-
-
-def _too_wide(scene: Scene, depth: float) -> str:
-    """Say along which axis hemispherical craters of this depth (m) take more than half of the grid; empty if along none."""
-    places = [place for i in scene.projectiles for place in scene.body[i].places]
-    for axis, name in enumerate("xy"):
-        low, high = min(p[axis] for p in places) - depth, max(p[axis] for p in places) + depth
-        left, right = scene.grid.lower[axis], scene.grid.corner[axis]
-        for mirror in scene.mirrors:
-            if mirror.axis == axis and mirror.above:
-                high, right = 2 * mirror.at - low, 2 * mirror.at - left
-            elif mirror.axis == axis:
-                low, left = 2 * mirror.at - high, 2 * mirror.at - right
-        if high - low > (right - left) / 2:
-            return (
-                f"{(high - low) * 1e6:.3g} um wide along {name}, more than half of the grid, {(right - left) * 1e6:.4g} um: it feels "
-                "the faces"
-            )
-    return ""
-
-
 def _lattice_warnings(body: Solid, scene: Scene) -> list[str]:
-    """Say whether the points are enough for the body and the grid, and what was rounded or fitted."""
-    out, fits = [], body.fits
+    """Say whether the points are enough for the body and the grid, and what its mass was rounded to."""
+    out = []
     if body.coarseness:
         out.append(body.coarseness)
-    pitch = max(fit.pitch for fit in fits)
+    pitch = max(fit.pitch for fit in body.fits)
     per_cell = scene.grid.cell / pitch
     if per_cell < 2 * (1 - 1e-9):
         out.append(f"{per_cell:.2g} points a cell along an axis; 2 is the usual least")
     if body.rounded and abs((ratio := body.count() * body.point_volume / body.written_volume) - 1) > 0.01:
         out.append(f"rounded to whole spacings, it has {ratio:.3g} times the mass of the written size")
-    elif (closest := min(fit.pitch for fit in fits)) < 0.99 * body.spacing:
-        out.append(
-            f"its points lie {closest * 1e6:.4g} um apart, not {body.spacing * 1e6:.4g} um, so that a whole number fits"
-        )
     return out
+
+
+def _pitch_warning(body: Solid) -> list[str]:
+    """Say whether points lie closer than asked."""
+    closest = min(fit.pitch for fit in body.fits)
+    if closest >= 0.99 * body.spacing:
+        return []
+    return [
+        f"its points lie {in_metres(closest)} apart, not {in_metres(body.spacing)}, so that a whole number fits"
+    ]
 
 
 def _short_side_warnings(target: Solid, scene: Scene) -> list[str]:
@@ -228,9 +173,10 @@ def _face_warnings(projectile: Solid, scene: Scene) -> list[str]:
             gaps[face] = (
                 scene.grid.corner[axis] - upper[axis] if above else lower[axis] - scene.grid.lower[axis]
             )
-    gaps["z_lower, under the target's surface"] = -scene.grid.lower[2]
+    if scene.targets:
+        gaps["z_lower, under the target's surface"] = -scene.grid.lower[2]
     return [
-        f"{gap * 1e6:.3g} um from the face {face}, less than two diameters; the crater may feel it"
+        f"{in_metres(gap, 3)} from the face {face}, less than two diameters; the crater may feel it"
         for face, gap in gaps.items()
         if gap < 2 * diameter
     ]

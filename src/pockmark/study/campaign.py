@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field, ValidationError
 
 from ..base.errors import PockmarkError
+from ..base.files import as_path
 from ..base.toml import read_toml, to_toml
 from ..scene.materials import Model
 from ..scene.scene import Scene
@@ -36,6 +37,7 @@ class Campaign(Model):
     title: str = ""
     scene: str
     report: str = ""
+    coarse: Annotated[bool, Field(strict=True)] = False  # run what has fewer than four cells across, too
     set: Changes
     quick: Changes
     group: Annotated[list[Group], Field(min_length=1)]
@@ -61,9 +63,11 @@ def load(folder: Path) -> Campaign:
     """Read a campaign. Raises PockmarkError with one sentence."""
     path = folder / FILE
     try:
-        return Campaign.model_validate(read_toml(path))
+        campaign = Campaign.model_validate(read_toml(path))
     except ValidationError as error:
         raise PockmarkError(f"{path}: {sentence(error, Campaign)}") from None
+    as_path(folder / campaign.report)  # said before anything runs
+    return campaign
 
 
 def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:

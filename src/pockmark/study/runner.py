@@ -1,6 +1,7 @@
 """Running a campaign: each run once, kept by the hash of its scene and the physics; what fails stops nothing."""
 
 import csv
+import json
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence, Set
@@ -11,6 +12,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
+from rich.text import Text
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
@@ -36,10 +38,27 @@ class Outcome:
     fault: str = ""
     kept: bool = False
 
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether its numbers are worth little, as its table says first."""
+        return bool((self.result or {}).get("doubts"))
 
-def run_study(cases: Sequence[Case], out: Path, *, jobs: int, console: Console) -> list[Outcome]:
-    """Run the cases that are not there yet, `jobs` at a time. Ctrl-C, SIGTERM and SIGHUP raise KeyboardInterrupt with what
-    is done kept and no worker left."""
+    @property
+    def standing(self) -> str:
+        """Why there is no result, or what it is worth; empty for one without doubts and warnings."""
+        if self.result is None:
+            return self.fault
+        said = ["doubtful"] if self.is_doubtful else []
+        if count := len(self.result.get("warnings", ())):
+            said.append(f"{count} warning{'s' if count > 1 else ''}")
+        return ", ".join(said)
+
+
+def run_study(
+    cases: Sequence[Case], out: Path, *, jobs: int, console: Console, coarse: bool = False
+) -> list[Outcome]:
+    """Run the cases that are not there yet, `jobs` at a time; those with fewer than four cells across a projectile only if `coarse`
+    allows it. Ctrl-C, SIGTERM and SIGHUP raise KeyboardInterrupt with what is done kept and no worker left."""
     there = [case for case in cases if is_done(place(out, case))]
     open_cases = [case for case in cases if case not in there]
     outcomes = [_measured(case, out, kept=True) for case in there]
@@ -47,7 +66,7 @@ def run_study(cases: Sequence[Case], out: Path, *, jobs: int, console: Console) 
     work = [forecast(case.scene, threads).seconds for case in open_cases]
     with _progress(console) as bar, heard_between_steps() as stop_if_asked:
         task = bar.add_task(f"{len(outcomes)} of {len(cases)} runs were there", total=sum(work) or None)
-        orders = [(case.scene.to_dict(), str(place(out, case)), threads) for case in open_cases]
+        orders = [(case.scene.to_dict(), str(place(out, case)), threads, coarse) for case in open_cases]
         for n, fault in run_apart(_run, orders, jobs, stop_if_asked):
             case = open_cases[n]
             outcomes.append(Outcome(case, None, fault) if fault else _measured(case, out))
@@ -58,7 +77,7 @@ def run_study(cases: Sequence[Case], out: Path, *, jobs: int, console: Console) 
                 description=f"{len(outcomes)} of {len(cases)} runs"
                 + (f", {failed} failed" if failed else ""),
             )
-            bar.console.print(literal(f"{case.label}: {outcomes[-1].fault or _short(outcomes[-1].result)}"))
+            bar.console.print(_line(outcomes[-1]))
     return sorted(outcomes, key=lambda o: cases.index(o.case))
 
 
@@ -93,8 +112,8 @@ def summary(outcomes: Sequence[Outcome], title: str) -> Table:
         shown = [_in_um(crater.get("depth")), _in_um(crater.get("diameter"))]
         residual = energy.get("residual_internal")
         shown.append("-" if residual is None else f"{residual:.4f}")
-        said = outcome.fault or ("was there" if outcome.kept else "")
-        table.add_row(literal(outcome.case.label), *shown, literal(said))
+        said = ", ".join(text for text in ("was there" if outcome.kept else "", outcome.standing) if text)
+        table.add_row(literal(outcome.case.label), *shown, literal(said, _style(outcome)))
     return table
 
 
@@ -156,12 +175,11 @@ def _made_by(folder: Path) -> dict[str, str]:
     return {column: str(manifest.get(key) or "") for column, key in names.items()}
 
 
-def _run(scene: dict[str, Any], folder: str, threads: int) -> str:
+def _run(scene: dict[str, Any], folder: str, threads: int, coarse: bool) -> str:
     """Run a scene in a process of its own; return why it failed, or an empty text."""
     try:
-        # Coarse runs are a campaign's own business: it sweeps the resolution, and its quick form is coarse on purpose.
         _, finished = run_scene(
-            Scene.from_dict(scene), folder, threads=threads, force=True, progress=False, coarse=True
+            Scene.from_dict(scene), folder, threads=threads, force=True, progress=False, coarse=coarse
         )
     except PockmarkError as error:
         return str(error).removeprefix(f"{folder}: ")
@@ -179,17 +197,31 @@ def _progress(console: Console) -> Progress:
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Give ("crater.depth", 1.5e-5), ...; tables within the table, such as a group's craters one by one, are left out."""
+    """Give ("crater.depth", 1.5e-5), ..., lists as JSON; tables within the table, such as a group's craters one by one, are left out."""
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}.")
-        elif not (isinstance(value, list) and value and isinstance(value[0], Mapping)):
+        elif not isinstance(value, list):
             yield f"{prefix}{key}", value
+        elif not (value and isinstance(value[0], Mapping)):
+            yield f"{prefix}{key}", json.dumps(value)
 
 
-def _short(result: Mapping[str, Any] | None) -> str:
-    crater = (result or {}).get("crater", {})
-    return f"C_p {_in_um(crater.get('depth'))} um, D_c {_in_um(crater.get('diameter'))} um"
+def _line(outcome: Outcome) -> Text:
+    """Return what is printed of a run as it ends: its crater, and what it is worth."""
+    said = [outcome.standing]
+    if outcome.result is not None:
+        crater = outcome.result.get("crater", {})
+        said[:0] = [f"C_p {_in_um(crater.get('depth'))} um", f"D_c {_in_um(crater.get('diameter'))} um"]
+        said += outcome.result.get("doubts", [])[:1]
+    return literal(f"{outcome.case.label}: {', '.join(text for text in said if text)}", _style(outcome))
+
+
+def _style(outcome: Outcome) -> str:
+    """Return the colour of a run's line: of one that failed or is doubtful, of one with warnings, of another."""
+    if outcome.fault or outcome.is_doubtful:
+        return "bold red"
+    return "yellow" if outcome.standing else ""
 
 
 def _in_um(value: float | None) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 from rich.table import Table
 
 from ..base.counters import COUNTERS
+from ..base.lengths import unit_for
 from ..base.terminal import literal
 from ..metrology.modes import ROMAN
 
@@ -48,15 +49,18 @@ def _crater(result: Results) -> Iterator[tuple[str, str]]:
     known = crater["uncertainty"] or {}
 
     def length(key: str) -> str:
-        spread = _shown(known.get(key), " +- {:.2f}", unit=1e-6) if known.get(key) is not None else ""
-        return _shown(crater[key], f"{{:.2f}}{spread} um", unit=1e-6)
+        value, spread = crater[key], known.get(key)
+        unit, size = unit_for(value, spread)
+        around = "" if spread is None else _shown(spread, " +- {:.2f}", unit=size)
+        return _shown(value, f"{{:.2f}}{around} {unit}", unit=size)
 
     if crater["perforated"]:
         yield "crater", "none: perforated"
         yield "holes", str(crater["holes"])
         yield "least width of the widest hole", length("hole_width")
-        place = ", ".join(_shown(crater[f"hole_{axis}"], "{:.1f}", unit=1e-6) for axis in "xyz")
-        yield "  there, at x, y, z", f"{place} um"
+        where = [crater[f"hole_{axis}"] for axis in "xyz"]
+        unit, size = unit_for(*where, crater["hole_width"])
+        yield "  there, at x, y, z", ", ".join(_shown(x, "{:z.1f}", unit=size) for x in where) + f" {unit}"
         yield from _resolution(result)
         return
     if crater["depth"] is None:
@@ -71,7 +75,8 @@ def _crater(result: Results) -> Iterator[tuple[str, str]]:
     yield "rim height", length("rim_height")
     yield "rim diameter, crest to crest", length("rim_diameter")
     yield "lining of projectile", _shown(crater["lining_fraction"], "{:.0%} of it")
-    yield "volume", _shown(crater["volume"], "{:.0f} um^3", unit=1e-18)
+    unit, size = unit_for(crater["volume"], power=3)
+    yield "volume", _shown(crater["volume"], f"{{:.5g}} {unit}", unit=size)
     yield "C_p/d_p", _shown(crater["depth_over_projectile_diameter"], "{:.3f}")
     yield "C_p/D_c", _shown(crater["depth_over_diameter"], "{:.3f}")
     yield from _resolution(result)
@@ -99,7 +104,8 @@ def _group(result: Results) -> Iterator[tuple[str, str]]:
         f"{mode} (next: {nearest}, if a measure changed by {group['distance_to_it']:.0%})",
     )
     spread = f"{group['depth_spread']:.0%} between the deepest and the shallowest"
-    yield "their mean depth", _shown(group["depth_mean"], f"{{:.2f}} um, {spread}", unit=1e-6)
+    unit, size = unit_for(group["depth_mean"])
+    yield "their mean depth", _shown(group["depth_mean"], f"{{:.2f}} {unit}, {spread}", unit=size)
 
 
 def _ejecta(result: Results) -> Iterator[tuple[str, str]]:

@@ -1,0 +1,23 @@
+"""Lengths, areas and volumes for a reader: in the unit in which their figures keep their digits. Programs get SI."""
+
+import math
+
+# (unit, its size in m, the first size in m that is too large for it). Micrometres are the house's: .1 to 9999 of them.
+_UNITS = (("nm", 1e-9, 0.1e-6), ("um", 1e-6, 9999.5e-6), ("mm", 1e-3, 9.9995), ("m", 1.0, math.inf))
+
+
+def unit_for(*values: float | None, power: int = 1) -> tuple[str, float]:
+    """Return the unit, and its size in SI, that suits the largest of some lengths (m), or of their areas or volumes."""
+    sizes = [abs(value) ** (1 / power) for value in values if value is not None and math.isfinite(value)]
+    largest = max(sizes, default=0.0)
+    if largest == 0:
+        name, size = "um", 1e-6
+    else:
+        name, size = next((name, size) for name, size, limit in _UNITS if largest < limit)
+    return name + (f"^{power}" if power > 1 else ""), size**power
+
+
+def in_metres(value: float, digits: int = 4) -> str:
+    """Return a length (m) with its unit."""
+    unit, size = unit_for(value)
+    return f"{value / size:.{digits}g} {unit}"
