@@ -43,8 +43,7 @@ struct Model {
     for (int face = 0; face < 6; ++face) grid.is_symmetric[face] = faces[face] == Face::symmetry;
     T lightest = std::numeric_limits<T>::max();
     for (const auto& m : materials) {
-      dampers.push_back(
-          {m.density * m.dilatational_speed(), m.density * m.shear_speed(), m.specific_volume});
+      dampers.push_back({m.density * m.dilatational_speed(), m.density * m.shear_speed(), m.specific_volume});
       lightest = std::min(lightest, m.density);
     }
     const double cell_mass = double(lightest) * std::pow(double(geometry.cell), 3);
