@@ -67,6 +67,12 @@ def test_a_sentence_says_how_many_points_when_and_where():
     )
 
 
+def test_a_place_of_centimetres_is_said_in_millimetres():
+    place = Place(7, 3e-9, [-0.01, 0.0, -0.025], [0.04, 0.05, 0.0])
+    (told,) = doubts({"negative_volumes": 1}, 0.0, 0.0, {"negative_volumes": place})
+    assert "within x -10 to 40, y 0 to 50, z -25 to 0 mm; " in told
+
+
 @pytest.mark.parametrize(
     ("error", "is_doubtful"),
     [(0.0, False), (LEDGER_LIMIT, False), (1.01 * LEDGER_LIMIT, True), (math.inf, True), (math.nan, True)],

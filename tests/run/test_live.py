@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from pockmark import Scene, Simulation, measure, run_scene
-from pockmark.run.live import live_depth
+from pockmark.run import tasks
+from pockmark.run.live import Live, live_depth
 from pockmark.run.store import RunFolder
 from pockmark.run.tasks import ProgressBar
 
@@ -87,6 +88,18 @@ def test_a_perforated_plate_says_so_in_the_progress_bar(capsys):
     whole = live_depth(plate("500 m/s", 5e-9))
     assert not whole.is_perforated
     assert 1e-6 < whole.depth < 4e-6
+
+
+@pytest.mark.parametrize(
+    ("depth", "said"), [(0.01, "10 mm"), (14.62e-6, "14.6 um"), (-0.0, "0 um"), (np.nan, "nan um")]
+)
+def test_the_progress_bar_says_a_depth_in_a_unit_that_suits_it(depth, said, capsys, monkeypatch):
+    s = plate("500 m/s", 1e-9)
+    monkeypatch.setattr(tasks, "live_depth", lambda _: Live(depth))
+    bar = ProgressBar(s)
+    bar.watch(s)
+    bar.close()
+    assert f"about {said}" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_crater_down_to_what_is_not_computed_has_no_depth():

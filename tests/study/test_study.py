@@ -14,7 +14,7 @@ from rich.console import Console
 from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.run.pipeline import run_scene
 from pockmark.study.campaign import cases, load
-from pockmark.study.runner import Outcome, is_done, place, run_study, summary, write_results
+from pockmark.study.runner import Outcome, is_done, line_of, place, run_study, summary, write_results
 
 ROOT = Path(__file__).parents[2]
 TEXT = """
@@ -90,6 +90,26 @@ def test_lists_of_a_result_are_json_in_the_table(folder, tmp_path):
     assert (json.loads(row["warnings"]), json.loads(row["doubts"])) == (said, [])
     assert json.loads(row["ejecta.momentum"]) == [1e-9, None]
     assert "group.each" not in row
+
+
+@pytest.mark.parametrize(
+    ("depths", "unit", "column", "lines"),
+    [
+        ((14.6e-6, 9.5e-6), "um", ["14.6", "9.5"], ["C_p 14.6 um, D_c 29.2 um", "C_p 9.5 um, D_c 19 um"]),
+        ((0.01, 14.6e-6), "mm", ["10", "0.0146"], ["C_p 10 mm, D_c 20 mm", "C_p 14.6 um, D_c 29.2 um"]),
+        ((5e-9, None), "nm", ["5", "-"], ["C_p 5 nm, D_c 10 nm", "C_p -, D_c -"]),
+        ((None, None), "um", ["-", "-"], ["C_p -, D_c -"] * 2),
+    ],
+)
+def test_lengths_of_a_study_are_in_a_unit_that_suits_them(depths, unit, column, lines, folder):
+    case = cases(load(folder), folder, quick=True, only=[])[0]
+    craters = [{"depth": depth, "diameter": depth and 2 * depth} for depth in depths]
+    outcomes = [Outcome(case, {"crater": crater}) for crater in craters]
+    table = summary(outcomes, "t")
+    print([str(c.header) for c in table.columns], [list(c.cells) for c in table.columns])
+    assert [c.header for c in table.columns[1:3]] == [f"C_p ({unit})", f"D_c ({unit})"]
+    assert list(table.columns[1].cells) == column
+    assert [str(line_of(outcome)) for outcome in outcomes] == [f"{case.label}: {line}" for line in lines]
 
 
 @pytest.mark.parametrize("allowed_by", ["", "an option", "the campaign"])

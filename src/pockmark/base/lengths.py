@@ -20,4 +20,4 @@ def unit_for(*values: float | None, power: int = 1) -> tuple[str, float]:
 def in_metres(value: float, digits: int = 4) -> str:
     """Return a length (m) with its unit."""
     unit, size = unit_for(value)
-    return f"{value / size:.{digits}g} {unit}"
+    return f"{value / size:z.{digits}g} {unit}"

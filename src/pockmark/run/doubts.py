@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from ..base.counters import DOUBTFUL
+from ..base.lengths import unit_for
 from .simulation import Simulation
 
 LEDGER_LIMIT = 0.01  # of the initial energy
@@ -55,11 +56,12 @@ def doubts(
         if not (count := counters.get(name, 0)):
             continue
         if place := (places or {}).get(name):
+            unit, size = unit_for(*place.lower, *place.upper)
             box = ", ".join(
-                f"{axis} {lower * 1e6:.4g} to {upper * 1e6:.4g}"
+                f"{axis} {lower / size:.4g} to {upper / size:.4g}"
                 for axis, lower, upper in zip("xyz", place.lower, place.upper, strict=True)
             )
-            here = f"{place.points:,} points at {place.time * 1e9:.4g} ns, within {box} um; "
+            here = f"{place.points:,} points at {place.time * 1e9:.4g} ns, within {box} {unit}; "
             out.append(f"points {what}: {here}{count:,} times in all ({name})")
         else:
             out.append(f"points {what}: {count:,} times in all ({name})")

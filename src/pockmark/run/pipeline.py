@@ -7,6 +7,7 @@ from typing import Any
 from ..base.counters import GONE
 from ..base.errors import PockmarkError
 from ..base.files import AnyPath
+from ..base.lengths import in_metres
 from ..scene.scene import Scene
 from ..scene.warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
 from .provenance import now
@@ -31,7 +32,7 @@ def run_scene(
     """
     if is_too_coarse(scene) and not coarse:
         raise PockmarkError(
-            f"grid.cell: {scene.grid.cell * 1e6:.4g} um puts {cells_across(scene):.3g} cells across the projectile, at least "
+            f"grid.cell: {in_metres(scene.grid.cell)} puts {cells_across(scene):.3g} cells across the projectile, at least "
             f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
         )
     with heard_between_steps() as stop_if_asked:

@@ -5,6 +5,7 @@ import time
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
 from ..base.ledger import LEDGER
+from ..base.lengths import in_metres
 from .doubts import Doubts
 from .live import live_depth
 from .simulation import LiveFields, Simulation
@@ -79,7 +80,7 @@ class ProgressBar:
             return
         self._shown = time.monotonic()
         live = live_depth(simulation)
-        crater = "perforated" if live.is_perforated else f"depth about {live.depth * 1e6:z.1f} um"
+        crater = "perforated" if live.is_perforated else f"depth about {in_metres(live.depth, 3)}"
         state = f"{simulation.time * 1e9:.1f} ns  {simulation.rate / 1e6:.2f} M particle-steps/s  {crater}"
         self._bar.update(self._task, completed=simulation.time, state=state)
 

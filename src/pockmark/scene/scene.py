@@ -14,6 +14,7 @@ from ..base import files
 from ..base.errors import PockmarkError, found, together
 from ..base.files import AnyPath, as_path
 from ..base.geometry import Mirror
+from ..base.lengths import in_metres
 from ..base.toml import read_toml, to_toml
 from ..base.units import quantity
 from .bodies import Body, Solid, overlap
@@ -197,7 +198,7 @@ class Scene(Model):
                 continue
             if kind == "symmetry" and body.is_halved_by(axis, limit, tolerance):
                 continue
-            yield f"{key}: reaches {beyond * 1e6:.4g} um outside the grid's face {face}"
+            yield f"{key}: reaches {in_metres(beyond)} outside the grid's face {face}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain tables, SI numbers: from_dict gives the same scene back."""

@@ -70,7 +70,7 @@ def _top_warning(scene: Scene) -> list[str]:
     out = []
     tops = [scene.body[i].box[1][2] for i in scene.targets]
     if not any(abs(top) <= 0.01 * scene.grid.cell for top in tops):
-        found = ", ".join(f"{top * 1e6:.4g} um" for top in tops) or "no target"
+        found = ", ".join(in_metres(top) for top in tops) or "no target"
         out.append(f"no target's top lies at z = 0, where the crater is measured from (found {found})")
     return out
 
@@ -156,7 +156,7 @@ def _short_side_warnings(target: Solid, scene: Scene) -> list[str]:
         gap = (1 if above else -1) * (scene.grid.box[above][axis] - target.box[above][axis])
         if kind != "free" and 1e-6 < gap / scene.grid.cell < 1 - 1e-6:
             out.append(
-                f"its points end {gap * 1e6:.3g} um short of the {kind} face {face}, at {scene.grid.box[above][axis] * 1e6:.5g} um"
+                f"its points end {in_metres(gap, 3)} short of the {kind} face {face}, at {in_metres(scene.grid.box[above][axis], 5)}"
             )
     return out
 

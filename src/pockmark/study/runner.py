@@ -1,6 +1,7 @@
 """Running a campaign: each run once, kept by the hash of its scene and the physics; what fails stops nothing."""
 
 import csv
+import itertools
 import json
 import subprocess
 import sys
@@ -17,6 +18,7 @@ from rich.text import Text
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
 from ..base.files import replaced, told
+from ..base.lengths import in_metres, unit_for
 from ..base.terminal import literal
 from ..run.measured import measure_run
 from ..run.pipeline import run_scene
@@ -77,7 +79,7 @@ def run_study(
                 description=f"{len(outcomes)} of {len(cases)} runs"
                 + (f", {failed} failed" if failed else ""),
             )
-            bar.console.print(_line(outcomes[-1]))
+            bar.console.print(line_of(outcomes[-1]))
     return sorted(outcomes, key=lambda o: cases.index(o.case))
 
 
@@ -105,12 +107,13 @@ def is_done(folder: Path) -> bool:
 
 
 def summary(outcomes: Sequence[Outcome], title: str) -> Table:
-    """Return a row for each run."""
-    table = Table("run", "C_p (um)", "D_c (um)", "E_i^r", "", title=literal(title, "table.title"))
-    for outcome in outcomes:
-        crater, energy = (outcome.result or {}).get("crater", {}), (outcome.result or {}).get("energy", {})
-        shown = [_in_um(crater.get("depth")), _in_um(crater.get("diameter"))]
-        residual = energy.get("residual_internal")
+    """Return a row for each run, with its lengths in the unit that suits the largest of all."""
+    lengths = [_lengths(outcome) for outcome in outcomes]
+    unit, size = unit_for(*itertools.chain(*lengths))
+    table = Table("run", f"C_p ({unit})", f"D_c ({unit})", "E_i^r", "", title=literal(title, "table.title"))
+    for outcome, both in zip(outcomes, lengths, strict=True):
+        shown = ["-" if length is None else f"{length / size:.4g}" for length in both]
+        residual = (outcome.result or {}).get("energy", {}).get("residual_internal")
         shown.append("-" if residual is None else f"{residual:.4f}")
         said = ", ".join(text for text in ("was there" if outcome.kept else "", outcome.standing) if text)
         table.add_row(literal(outcome.case.label), *shown, literal(said, _style(outcome)))
@@ -207,12 +210,12 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
             yield f"{prefix}{key}", json.dumps(value)
 
 
-def _line(outcome: Outcome) -> Text:
+def line_of(outcome: Outcome) -> Text:
     """Return what is printed of a run as it ends: its crater, and what it is worth."""
     said = [outcome.standing]
     if outcome.result is not None:
-        crater = outcome.result.get("crater", {})
-        said[:0] = [f"C_p {_in_um(crater.get('depth'))} um", f"D_c {_in_um(crater.get('diameter'))} um"]
+        depth, diameter = ("-" if length is None else in_metres(length) for length in _lengths(outcome))
+        said[:0] = [f"C_p {depth}", f"D_c {diameter}"]
         said += outcome.result.get("doubts", [])[:1]
     return literal(f"{outcome.case.label}: {', '.join(text for text in said if text)}", _style(outcome))
 
@@ -224,5 +227,7 @@ def _style(outcome: Outcome) -> str:
     return "yellow" if outcome.standing else ""
 
 
-def _in_um(value: float | None) -> str:
-    return "-" if value is None else f"{value * 1e6:.2f}"
+def _lengths(outcome: Outcome) -> tuple[float | None, float | None]:
+    """Return the depth and the diameter of the crater, m; None where there is none."""
+    crater = (outcome.result or {}).get("crater", {})
+    return crater.get("depth"), crater.get("diameter")
