@@ -14,9 +14,11 @@ from pockmark.run.stop import heard_between_steps
 from pockmark.run.store import RunFolder
 
 
-def _hear_ctrl_c():
-    """In a process that is started: where tests run in the background, it may be ignored."""
+def _hear_stops():
+    """In a process that is started: where tests run in the background or under nohup, they may be ignored."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
 
 
 def _python_that_hears_ctrl_c(code, *arguments):
@@ -25,7 +27,7 @@ def _python_that_hears_ctrl_c(code, *arguments):
         capture_output=True,
         text=True,
         check=False,
-        preexec_fn=_hear_ctrl_c,
+        preexec_fn=_hear_stops,
     )
 
 
@@ -38,7 +40,7 @@ def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
         folder,
         "--set",
         "end_time='10 us'",
-        preexec_fn=_hear_ctrl_c,
+        preexec_fn=_hear_stops,
     )
     deadline = time.monotonic() + 60
     while not list(folder.glob("snapshot-0001.vtkhdf")) and time.monotonic() < deadline:

@@ -28,21 +28,28 @@ SMALL = ["grid.cell='10 um'", "body.target.spacing='5 um'", "body.projectile.spa
 LONG = [*SMALL, "end_time='1 ms'", "output.snapshots='100 us'", "output.history='2 us'"]
 
 
-def start(*words):
-    """`pockmark WORDS` in a process of its own that hears Ctrl-C."""
+def hear_stops(hangup=signal.SIG_DFL):
+    """In a process that is started: where tests run in the background or under nohup, they may be ignored."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGHUP, hangup)
+
+
+def start(*words, hangup=signal.SIG_DFL):
+    """`pockmark WORDS` in a process of its own that hears what stops it, but for a hangup where that is to be ignored."""
     return subprocess.Popen(
         [sys.executable, "-m", "pockmark", *map(str, words)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        preexec_fn=lambda: hear_stops(hangup),
     )
 
 
-def start_run(folder, *more):
+def start_run(folder, **how):
     """A run that takes minutes."""
     changes = [word for change in LONG for word in ("--set", change)]
-    return start("run", QUICK, "-o", folder, "--quiet", "--coarse", "--threads", 1, *changes, *more)
+    return start("run", QUICK, "-o", folder, "--quiet", "--coarse", "--threads", 1, *changes, **how)
 
 
 def wait_until(true, seconds=60.0):
@@ -174,12 +181,8 @@ def test_of_two_runs_at_once_one_wins(tmp_path, monkeypatch):
 
 def test_a_hangup_is_ignored_where_it_was(tmp_path):
     """As under nohup."""
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    try:
-        folder = tmp_path / "run"
-        run = start_run(folder)
-    finally:
-        signal.signal(signal.SIGHUP, before)
+    folder = tmp_path / "run"
+    run = start_run(folder, hangup=signal.SIG_IGN)
     wait_until(lambda: rows(folder) > 2)
     run.send_signal(signal.SIGHUP)
     seen = rows(folder)
