@@ -11,6 +11,7 @@ from pockmark.base.units import to_si
 from pockmark.run.points import make_points
 from pockmark.scene.bodies import Block, Sphere
 from pockmark.scene.materials import library
+from pockmark.scene.overrides import override
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 UM = 1e-6
@@ -120,6 +121,71 @@ def test_a_body_is_changed_by_place_or_name(body):
     scene = Scene.load(EXAMPLES / "quick.toml", [f"body.{body}.radius='5 um'", f"body.{body}.spacing=1e-6"])
     assert (scene.body[1].radius, scene.body[1].spacing) == (5e-6, 1e-6)
     assert scene.body[0] == Scene.load(EXAMPLES / "quick.toml").body[0]
+
+
+DOTTED = [
+    ("a.b", """body."a.b".radius='5 um'"""),
+    ("a.b", "body . 'a.b' . radius = '5 um'"),
+    ("a=b", """body."a=b".radius='5 um'"""),
+    ('say "x"', """body.'say "x"'.radius='5 um'"""),
+    ('say "x"', """body.say "x".radius='5 um'"""),
+    ("my ball", "body.my ball.radius='5 um'"),
+    ("Stahl-\u00fc", "body.Stahl-\u00fc.radius='5 um'"),
+    ("tab\there", """body."tab\\there".radius='5 um'"""),
+    ("", """body."".radius='5 um'"""),
+    ("1", "body.1.radius='5 um'"),  # its place, too
+    ("a.b", "body={'a.b'={radius='5 um'}}"),
+]
+
+
+@pytest.mark.parametrize(("name", "change"), DOTTED)
+def test_a_body_of_any_name_is_changed_by_its_quoted_name(name, change):
+    table = Scene.load(EXAMPLES / "quick.toml").to_dict()
+    table["body"][1]["name"] = name
+    scene = Scene.from_dict(table, overrides=change)
+    assert scene.body[1].radius == 5e-6
+    assert scene.body[0] == Scene.from_dict(table).body[0]
+
+
+@pytest.mark.parametrize(
+    ("names", "key", "sentence"),
+    [
+        (
+            ("1", "ball"),
+            "1",
+            "body.1: found body[0] '1' and body[1] 'ball', expected a name, or a place counted",
+        ),
+        (("1", "0"), "0", "body.0: found body[0] '1' and body[1] '0', expected"),
+        (("1", "ball"), '"1"', "body.1: found body[0] '1' and body[1] 'ball', expected"),
+        (("x", "x"), "x", "body.x: found body[0] 'x' and body[1] 'x', expected"),
+        (("t", "a.b"), "a.b", 'body.a: found no such body, allowed are 0 to 1 and t, "a.b"'),
+        (("t", "a.b"), "'a.c'", 'body."a.c": found no such body, allowed are 0 to 1 and t, "a.b"'),
+    ],
+)
+def test_a_key_that_means_two_bodies_or_none_is_refused(names, key, sentence):
+    table = Scene.load(EXAMPLES / "quick.toml").to_dict()
+    for body, name in zip(table["body"], names, strict=True):
+        body["name"] = name
+    with pytest.raises(PockmarkError) as caught:
+        Scene.from_dict(table, overrides=f"body.{key}.spacing='2 um'")
+    print(caught.value)
+    assert str(caught.value).startswith(f"scene: {sentence}")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "=", "x", "x.=1", ".x=1", "a..b=1", "a. .b=1", "'a=1", "'a'b=1", ' "a.b=1', '"\\q"=1', '"a\nb"=1',
+     '""""=1', ".".join("a" * 21) + "=1"],
+)  # fmt: skip
+def test_what_is_no_change_is_told(text):
+    with pytest.raises(PockmarkError, match=r"^--set .*: expected key=value$"):
+        override({}, text)
+
+
+def test_the_keys_of_a_change_are_as_many_as_its_dots():
+    assert override({}, ".".join("a" * 20) + "=1")
+    assert override({}, " a . 'b.c' . d e = x=y") == {"a": {"b.c": {"d e": "x=y"}}}
 
 
 def test_one_override_may_be_a_plain_text():

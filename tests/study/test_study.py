@@ -77,6 +77,16 @@ def test_what_is_done_is_kept_and_what_fails_stops_nothing(folder, tmp_path):
     assert summary(again, "t").row_count == 3
 
 
+def test_a_campaign_changes_a_body_whose_name_has_a_dot(folder):
+    scene = (folder / "quick.toml").read_text().replace('name = "projectile"', 'name = "a.b"')
+    (folder / "quick.toml").write_text(scene)
+    text = TEXT.replace("end_time =", """'body."a.b".spacing' = "1 um", end_time =""", 1)
+    (folder / "campaign.toml").write_text(text)
+    assert {case.scene.body[1].spacing for case in cases(load(folder), folder, quick=False, only=[])} == {
+        1e-6
+    }
+
+
 def test_lists_of_a_result_are_json_in_the_table(folder, tmp_path):
     case, said = cases(load(folder), folder, quick=True, only=[])[0], ['a "b"', "c, d"]
     result = {

@@ -30,9 +30,9 @@ def parse_toml(text: str, path: str | Path) -> dict[str, Any]:
 
 def to_toml(table: Mapping[str, Any], prefix: str = "") -> str:
     """Write the plain tables of a scene as TOML (tomllib only reads)."""
-    lines = [f"{_key(k)} = {_value(v)}" for k, v in table.items() if not _is_table(v)]
+    lines = [f"{written_key(k)} = {_value(v)}" for k, v in table.items() if not _is_table(v)]
     for key, value in table.items():
-        path = prefix + _key(key)
+        path = prefix + written_key(key)
         if isinstance(value, Mapping):
             lines += ["", f"[{path}]", to_toml(value, f"{path}.").rstrip("\n")]
         elif _is_table(value):
@@ -41,7 +41,7 @@ def to_toml(table: Mapping[str, Any], prefix: str = "") -> str:
     return "\n".join(lines).lstrip("\n") + "\n"
 
 
-def _key(key: str) -> str:
+def written_key(key: str) -> str:
     """Return a key as it is where TOML allows that, or else quoted."""
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _text(key)
 

@@ -1,13 +1,17 @@
-"""Changes of a scene's table in a text: "impact.speed='4 km/s'", "body.projectile.radius='5 um'"."""
+"""Changes of a scene's table in a text: "impact.speed='4 km/s'", "body.projectile.radius='5 um'", "body.'a.b'.radius=5e-6"."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any
 
 from ..base.errors import PockmarkError
+from ..base.toml import written_key
 from .materials import merge
 
 MAX_DEPTH = 20  # keys in a row; a scene has 5
+# A key and what ends it: quoted as in TOML, or as it is, blanks within included.
+_KEY = re.compile(r"""\s*+("(?:[^"\\]|\\.)*"|'[^']*'|[^.="'][^.=]*+)\s*([.=])""")
 
 
 def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
@@ -21,14 +25,31 @@ def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 def _parse(text: str) -> dict[str, Any]:
     """Return "a.b=value" as nested tables; the value is TOML, or else a plain text."""
-    key, equals, value = text.partition("=")
-    keys = [part.strip() for part in key.split(".")]
-    if not equals or not all(keys) or len(keys) > MAX_DEPTH:
-        raise PockmarkError(f"--set {text}: expected key=value")
-    out = _value(value)
-    for part in reversed(keys):
-        out = {part: out}
+    keys: list[str] = []
+    end, at = ".", 0
+    while end == "." and (match := _KEY.match(text, at)) and len(keys) < MAX_DEPTH:
+        keys.append(_unquoted(match[1], text))
+        end, at = match[2], match.end()
+    if end != "=":
+        raise _is_no_change(text)
+    out = _value(text[at:])
+    for key in reversed(keys):
+        out = {key: out}
     return dict(out)
+
+
+def _unquoted(key: str, text: str) -> str:
+    """Return a key as it is meant: what is quoted may have dots, and escapes within double quotes."""
+    if key[0] not in "\"'":
+        return key.strip()
+    try:
+        return str(tomllib.loads(f"v = {key}")["v"])
+    except ValueError:
+        raise _is_no_change(text) from None
+
+
+def _is_no_change(text: str) -> PockmarkError:
+    return PockmarkError(f"--set {text}: expected key=value")
 
 
 def _value(text: str) -> Any:
@@ -47,9 +68,14 @@ def _changed(bodies: list[Any], changes: Mapping[str, Any]) -> list[Any]:
     for key, value in changes.items():
         places = [i for i, name in enumerate(names) if key in (name, str(i))]
         if not places:
-            allowed = ", ".join(str(name) for name in names if name)
+            allowed = ", ".join(written_key(str(name)) for name in names if name)
             raise PockmarkError(
-                f"body.{key}: found no such body, allowed are 0 to {len(names) - 1} and {allowed}"
+                f"body.{written_key(key)}: found no such body, allowed are 0 to {len(names) - 1} and {allowed}"
+            )
+        if len(places) > 1:
+            meant = " and ".join(f"body[{i}] '{names[i]}'" for i in places)
+            raise PockmarkError(
+                f"body.{written_key(key)}: found {meant}, expected a name, or a place counted from 0, of one body alone"
             )
         old = out[places[0]]
         out[places[0]] = (
