@@ -18,6 +18,7 @@ from pockmark.metrology.crater import Crater
 from pockmark.metrology.results import EJECTA
 from pockmark.run.pipeline import run_scene
 from pockmark.run.store import RunFolder
+from pockmark.scene import warnings as scene_warnings
 from pockmark.scene.warnings import lasting_warnings, warnings
 from pockmark.study.campaign import Case
 from pockmark.study.runner import Outcome, write_results
@@ -85,6 +86,14 @@ def test_a_depth_that_may_not_have_settled_says_so():
     assert not [*of_resolution(known, crater(UM), 0.01)]
     (said,) = of_resolution(known, crater(UM), 0.03)
     assert "has not settled" in said
+
+
+@pytest.mark.parametrize(("cells", "few"), [(None, False), (10 * (1 - 1e-15), False), (9.99, True)])
+def test_check_and_result_call_the_same_cells_few(cells, few, monkeypatch):
+    monkeypatch.setattr(scene_warnings, "cells_across", lambda _: cells)
+    before = [w for w in warnings(Scene.load(QUICK)) if "cells across the projectile, fewer than 10" in w]
+    after = [*of_resolution(Setup(UM, cells_across=cells), None, None)]
+    assert (len(before), len(after)) == (few, few)
 
 
 def test_a_result_without_a_crater_says_why():

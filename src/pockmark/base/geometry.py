@@ -73,6 +73,11 @@ class Setup:
         return tuple(i for i in range(len(self.names)) if i not in self.projectiles)
 
 
+def has_few_cells(across: float | None) -> bool:
+    """Return whether fewer than ENOUGH_CELLS_ACROSS cells lie across a projectile; a last bit decides nothing."""
+    return across is not None and across < ENOUGH_CELLS_ACROSS * (1 - 1e-9)
+
+
 def copies(mirrors: Sequence[Mirror]) -> int:
     """Return how many times the whole impact holds what is computed."""
     return int(2 ** len(mirrors))

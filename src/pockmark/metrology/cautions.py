@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import shown
-from ..base.geometry import ENOUGH_CELLS_ACROSS, LEAST_LAYERS, Setup
+from ..base.geometry import ENOUGH_CELLS_ACROSS, LEAST_LAYERS, Setup, has_few_cells
 from ..base.lengths import in_metres
 from .crater import FIT_RADIUS, Crater
 from .hole import Hole
@@ -116,7 +116,7 @@ def of_crater(crater: Crater | None, surface: Surface | None, setup: Setup) -> I
 def of_resolution(setup: Setup, crater: Crater | None, change: float | None) -> Iterator[str]:
     """Say where the points or the time are too few; `change` of the depth in the last tenth, None where it is not known."""
     wall, cells = setup.wall, setup.cells_across
-    if cells is not None and cells < ENOUGH_CELLS_ACROSS:
+    if has_few_cells(cells):
         yield (
             f"resolution: {cells:.3g} cells across the projectile, fewer than {ENOUGH_CELLS_ACROSS}: a finer grid gives "
             "other measures"

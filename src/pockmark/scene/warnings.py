@@ -5,7 +5,7 @@ import math
 from scipy.optimize import brentq
 
 from ..base.errors import shown
-from ..base.geometry import ENOUGH_CELLS_ACROSS
+from ..base.geometry import ENOUGH_CELLS_ACROSS, has_few_cells
 from ..base.lengths import in_metres
 from .bodies import Solid
 from .grid import FACES
@@ -77,7 +77,7 @@ def _top_warning(scene: Scene) -> list[str]:
 
 def _resolution_warning(scene: Scene) -> list[str]:
     across = cells_across(scene)
-    if across is None or across >= ENOUGH_CELLS_ACROSS * (1 - 1e-9):
+    if not has_few_cells(across):
         return []
     return [
         f"{across:.3g} cells across the projectile, fewer than {ENOUGH_CELLS_ACROSS}: its crater comes out too small (model 1 with 5 has "
