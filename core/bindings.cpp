@@ -269,14 +269,16 @@ struct Saver {
   }
 };
 
-// Takes the parts of a solver out of such a dictionary. Throws std::invalid_argument where one is missing.
+// Takes the parts of a solver out of such a dictionary, or of another mapping, one at a time. Throws
+// std::invalid_argument where one is missing.
 struct Restorer {
   static constexpr bool restores = true;
-  const nb::dict& in;
+  const nb::object& in;
 
-  nb::handle at(const std::string& name) const {
-    if (!in.contains(name.c_str())) throw std::invalid_argument(name + ": is missing");
-    return in[name.c_str()];
+  nb::object at(const std::string& name) const {
+    nb::object found = in.attr("get")(name);
+    if (found.is_none()) throw std::invalid_argument(name + ": is missing");
+    return found;
   }
   template <class V>
   void operator()(const std::string& name, V& number) const {
@@ -404,7 +406,8 @@ void bind_solver(nb::module_& m, const char* name) {
              return out;
            })
       .def(
-          "restore", [](S& s, const nb::dict& parts) { s.solver.for_each_part(Restorer{parts}); }, "parts"_a)
+          "restore", [](S& s, const nb::object& parts) { s.solver.for_each_part(Restorer{parts}); },
+          "parts"_a)
       .def("memory_bytes", [](const S& s) {
         nb::dict d;
         d["points"] = s.solver.driver().point_bytes(), d["grid"] = s.solver.node_bytes();

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .base.errors import PockmarkError
     from .run.measured import measure_run as measure
-    from .run.pipeline import run_scene
+    from .run.pipeline import resume_run, run_scene
     from .run.simulation import Simulation
     from .scene.scene import Scene
 
@@ -15,13 +15,23 @@ __version__ = version("pockmark")
 # How many entries CHANGELOG.md has under "Physics": a run of another number may have other figures.
 PHYSICS = 27
 
-__all__ = ["PHYSICS", "PockmarkError", "Scene", "Simulation", "__version__", "measure", "run_scene"]
+__all__ = [
+    "PHYSICS",
+    "PockmarkError",
+    "Scene",
+    "Simulation",
+    "__version__",
+    "measure",
+    "resume_run",
+    "run_scene",
+]
 
 _HOMES = {
     "PockmarkError": (".base.errors", "PockmarkError"),
     "Scene": (".scene.scene", "Scene"),
     "Simulation": (".run.simulation", "Simulation"),
     "measure": (".run.measured", "measure_run"),
+    "resume_run": (".run.pipeline", "resume_run"),
     "run_scene": (".run.pipeline", "run_scene"),
 }
 

@@ -59,7 +59,7 @@ def test_a_signal_stops_the_run_and_keeps_what_there_is(signals, tmp_path):
 PRESSES_CTRL_C_ALL_THE_WAY = """
 import os, signal
 from pockmark.run import simulation
-from pockmark.cli import run as cli
+from pockmark.cli import ending as cli
 from pockmark.__main__ import main
 def pressing(name):
     function = getattr(cli, name)
@@ -70,12 +70,12 @@ def pressing(name):
 pressing("measure_run")
 pressing("plot_run")
 run = simulation.Simulation.run
-def press(self, tasks, watch):
+def press(self, tasks, watch, **more):
     def watch_and_press(simulation):
         if simulation.steps > 4:
             os.kill(os.getpid(), signal.SIGINT)
         watch(simulation)
-    run(self, tasks, watch=watch_and_press)
+    run(self, tasks, watch=watch_and_press, **more)
 simulation.Simulation.run = press
 main()
 """

@@ -5,17 +5,14 @@ from typing import Annotated
 
 import typer
 
-from ..base.errors import shown
 from ..base.terminal import literal
-from ..run.measured import measure_run
-from ..run.pictures import plot_run
 from ..run.pipeline import run_scene
 from ..run.simulation import thread_count
 from ..run.stop import heard_between_steps
 from ..scene.forecast import forecast
 from ..scene.scene import Scene
-from ..view.report import report
-from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse, Overrides, SceneFile, Threads
+from .common import CONSOLE, Coarse, Overrides, SceneFile, Threads
+from .ending import end, measured_and_drawn
 
 
 def run(
@@ -47,15 +44,5 @@ def run(
             progress=not quiet,
             coarse=coarse,
         )
-        result = measure_run(folder.path)
-        CONSOLE.print(report(result))
-        for picture in plot_run(folder.path):
-            CONSOLE.print(f"wrote {shown(picture, MAX_PATH)}")
-    if not finished:
-        CONSOLE.print("interrupted: what was computed is kept", style="yellow")
-        raise typer.Exit(130)
-    if result["doubts"]:
-        CONSOLE.print(
-            "doubtful: what the table says of it first makes its other numbers worth little", style="bold red"
-        )
-        raise typer.Exit(DOUBTFUL)
+        doubtful = measured_and_drawn(folder)
+    end(folder, finished=finished, doubtful=doubtful)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ..base.counters import DOUBTFUL
 from ..base.lengths import unit_for
@@ -40,6 +40,21 @@ class Doubts:
         error = abs(row["error"]) / row["initial"] if row["initial"] != 0 else 0.0
         if not (error <= self._error or math.isnan(self._error)):  # nan counts, and stays
             self._error, self._when = error, simulation.time
+
+    def state(self) -> dict[str, Any]:
+        """Return what has been noted, as JSON can hold it."""
+        return {
+            "places": {name: [*place] for name, place in self._places.items()},
+            "error": self._error,
+            "when": self._when,
+            "counted": self._counted,
+        }
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Go on from what has been noted before."""
+        self._places = {name: Place(*place) for name, place in state["places"].items()}
+        self._error, self._when = state["error"], state["when"]
+        self._counted = dict(state["counted"])
 
     def sentences(self) -> list[str]:
         """Return why the run is doubtful, a sentence each; nothing for a run that is not."""

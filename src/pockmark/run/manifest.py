@@ -64,6 +64,8 @@ class Manifest(_Part):
     pockmark: Text | None = None
     commit: Text | None = None
     physics: Count | None = None
+    next_scene_hash: Text | None = None
+    earlier_scene_hashes: list[Text] = []
 
 
 def parse_manifest(text: str) -> dict[str, Any]:

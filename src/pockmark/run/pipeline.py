@@ -2,19 +2,33 @@
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
+from .. import __version__
 from ..base.counters import GONE
 from ..base.errors import PockmarkError
 from ..base.files import AnyPath
 from ..base.lengths import in_metres
 from ..scene.scene import Scene
 from ..scene.warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
+from .checkpoint import Checkpoint
+from .keeper import Keeper, newest_good
 from .provenance import now
 from .simulation import Simulation, Task
 from .stop import heard_between_steps
-from .store import RunFolder
-from .tasks import History, ProgressBar, Snapshots
+from .store import NOTHING, RunFolder
+from .tasks import History, KeptTask, ProgressBar, Snapshots
+
+
+class Resumed(NamedTuple):
+    """A run that went on: its folder, whether it was finished, from where (None: it began anew), and what is wrong with newer
+    checkpoints, a sentence each."""
+
+    folder: RunFolder
+    is_finished: bool
+    begun: Checkpoint | None
+    damaged: list[str]
 
 
 def run_scene(
@@ -44,26 +58,117 @@ def run_scene(
     return folder, status == "finished"
 
 
+def resume_run(
+    path: AnyPath, *, end_time: float | None = None, threads: int | None = None, progress: bool = True
+) -> Resumed:
+    """Go on with a run from its newest good checkpoint, to the last bit as if it had never stopped; to a later end if `end_time` (s)
+    says so. A run that was killed before its first checkpoint begins anew.
+
+    Raises PockmarkError where there is nothing to go on from, or nowhere to go on to.
+    """
+    with heard_between_steps() as stop_if_asked:
+        folder = RunFolder.open(path)
+        folder.lock()
+        try:
+            scene = _to_the_end(folder, end_time)
+            begun, damaged = _beginning(folder, scene)
+            simulation = Simulation(scene, threads, parts=begun.parts if begun else None)
+            stop_if_asked()  # before anything is taken off
+            _go_back(folder, scene, begun)
+            for path in damaged:
+                path.unlink(missing_ok=True)
+        except BaseException:
+            folder.release()
+            raise
+        status = _run_into(folder, simulation, stop_if_asked, progress=progress, begun=begun)
+    return Resumed(folder, status == "finished", begun, [*damaged.values()])
+
+
+def can_resume(path: AnyPath, scene: Scene) -> bool:
+    """Return whether a run of this scene, by this version, was stopped here and has a checkpoint to go on from."""
+    try:
+        folder = RunFolder.open(path)
+        known = folder.manifest()
+        is_ours = known.get("pockmark") == __version__ and folder.scene().hash == scene.hash
+        return (
+            is_ours
+            and known["status"] != "finished"
+            and newest_good(folder.path, scene.course)[0] is not None
+        )
+    except PockmarkError:
+        return False
+
+
+def _beginning(folder: RunFolder, scene: Scene) -> tuple[Checkpoint | None, dict[Path, str]]:
+    """Return what a run goes on from, and what is wrong with newer checkpoints. Raises PockmarkError where that would lose a result."""
+    begun, damaged = newest_good(folder.path, scene.course)
+    if begun is None and folder.manifest()["status"] != "running":
+        why = next(iter(damaged.values()), "output.checkpoints was 0")
+        raise PockmarkError(f"{folder.path}: has no checkpoint to go on from ({why})")
+    if begun and begun.time > scene.end_time:
+        raise PockmarkError(
+            f"{folder.path}: its checkpoint is of {begun.time:.4g} s, beyond the end at {scene.end_time:.4g} s"
+        )
+    return begun, damaged
+
+
+def _to_the_end(folder: RunFolder, end_time: float | None) -> Scene:
+    """Return the scene that a run is to go on with. Raises PockmarkError where it is at its end."""
+    scene = folder.scene()
+    if end_time is None and folder.manifest()["status"] == "finished":
+        raise PockmarkError(f"{folder.path}: has finished; --end-time goes on past its end")
+    if end_time is None:
+        return scene
+    if not end_time >= scene.end_time:
+        raise PockmarkError(
+            f"end_time: found {end_time:.4g} s, the run's is {scene.end_time:.4g} s: a later one is needed"
+        )
+    return Scene.from_dict(scene.to_dict() | {"end_time": end_time})
+
+
+def _go_back(folder: RunFolder, scene: Scene, begun: Checkpoint | None) -> None:
+    """Make a folder what it was at a checkpoint, or at the start. Killed at any moment, it can be resumed again."""
+    known = folder.manifest()
+    place = {"step": begun.step, "time": begun.time} if begun else {"step": 0, "time": 0.0}
+    resumed = [*known.get("resumed", ()), {"at": now()} | place]
+    kept = {key: value for key, value in known.items() if key not in ("run", "doubts", "ended")}
+    folder.write_manifest(kept | {"status": "running", "resumed": resumed})
+    if scene.hash != known["scene_hash"]:
+        folder.change_end(scene)
+    folder.rewind(begun.files if begun else NOTHING)
+
+
 def _run_into(
-    folder: RunFolder, simulation: Simulation, stop_if_asked: Callable[[], None], *, progress: bool
+    folder: RunFolder,
+    simulation: Simulation,
+    stop_if_asked: Callable[[], None],
+    *,
+    progress: bool,
+    begun: Checkpoint | None = None,
 ) -> str:
     """Step a simulation to its end, write what happens into its folder, and return how it ended: finished or interrupted."""
     began, scene = folder.manifest(), simulation.scene
     history = History(folder, scene.output.history)
-    tasks: list[Task] = [history, Snapshots(folder, scene.output.snapshots)]
+    tasks: list[KeptTask] = [history, Snapshots(folder, scene.output.snapshots)]
+    keeper = Keeper(folder, tasks, scene.output.checkpoints, step=begun.step if begun else -1)
+    for task, state in zip(tasks, begun.tasks if begun else (), strict=False):
+        task.set_state(state)
     status = "failed"
     bar = ProgressBar(simulation) if progress else None
 
     def watch(simulation: Simulation) -> None:
         if bar:
             bar.watch(simulation)
+        keeper.watch(simulation)
         stop_if_asked()
 
     try:
-        simulation.run(tasks, watch=watch)
+        simulation.run(tasks, watch=watch, acted=begun.acted if begun else None)
         status = "finished"
+        keeper.finish()
     except KeyboardInterrupt:
         status = "interrupted"
+        keeper.keep(simulation)  # before what a run that goes on would not have written
         _write_last(tasks, simulation)
     except Exception as error:
         with suppress(PockmarkError, MemoryError):  # what stopped the run may stop this too

@@ -44,6 +44,8 @@ class Simulation:
         """
         self.scene = scene
         self.threads = thread_count(threads)
+        self.end_time = scene.end_time  # of the run, s
+        self.acted: list[int] = []  # how often each task of the run has acted
         self.stepping_seconds = 0.0
         self.point_steps = 0
         self._solver = _make_solver(scene, self.threads, driver, sleep=sleep)
@@ -54,7 +56,7 @@ class Simulation:
             self._solver.initialize()
             return
         try:
-            self._solver.restore(dict(parts))
+            self._solver.restore(parts)
         except ValueError as error:
             raise PockmarkError(f"what was saved does not fit the scene: {error}") from None
 
@@ -152,16 +154,18 @@ class Simulation:
         tasks: Sequence[Task] = (),
         end_time: float | None = None,
         watch: Callable[["Simulation"], None] | None = None,
+        acted: Sequence[int] | None = None,
     ) -> None:
         """Step to the end, calling each task at its times; those of `exact` tasks, and the end, are hit exactly.
 
-        `watch` is called every second or so and changes nothing. KeyboardInterrupt comes through between steps. Raises PockmarkError
-        where the end is no finite time.
+        `watch` is called every second or so and changes nothing; `acted` says how often each task has acted before, in a run that
+        goes on. KeyboardInterrupt comes through between steps. Raises PockmarkError where the end is no finite time.
         """
         end = self.scene.end_time if end_time is None else end_time
         if not math.isfinite(end):
             raise PockmarkError(f"end_time: {found(end)}, expected a finite time in s")
-        counts = [0] * len(tasks)
+        self.end_time = end
+        counts = self.acted = [*acted] if acted else [0] * len(tasks)
         while True:
             for i, task in enumerate(tasks):
                 if self.time >= min(counts[i] * task.interval, end):

@@ -1,12 +1,6 @@
-"""A snapshot: all fields of all points in a VTKHDF file, written with check sums and read with distrust.
+"""A snapshot: all fields of all points in a VTKHDF file, written with check sums and read with distrust."""
 
-What is read must be as pockmark writes it: plain numbers that lie in the file itself. So no link, no external or virtual
-storage and no filter is followed, and a declared shape cannot ask for more memory than the file has bytes.
-"""
-
-import math
 import os
-import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,15 +12,14 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..base.errors import PockmarkError
-from ..base.files import open_regular, reason, replaced
+from ..base.files import open_regular, reason
 from ..metrology.stress import effective_stress
+from .hdf5 import SUM, dataset_in, group_in, put, sum_of, written
 
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
 # What measures and pictures are made of: a snapshot without one of them is none.
 NEEDED = ("position", "velocity", "mass", "volume", "deviator", "pressure", "body", "time")
 DERIVED = {"deviator": ("effective_stress", effective_stress)}  # written beside a field, what follows from it
-VERSION = "v108"  # of HDF5's format: the first with check sums of its own tables
-SUM = "crc32"
 HASH = "scene_hash"  # of the scene that the points are of
 
 
@@ -41,10 +34,10 @@ class Snapshot(Mapping[str, NDArray[Any]]):
         self._places = {"position": "Points", "time": "FieldData/time"}
         with self._root() as (root, size):
             self.scene_hash = _hash(root)
-            self._places |= {name: f"PointData/{name}" for name in _group(root, "PointData")}
+            self._places |= {name: f"PointData/{name}" for name in group_in(root, "PointData")}
             if missing := [name for name in NEEDED if name not in self._places]:
                 raise PockmarkError(f"lacks the field {missing[0]}")
-            self._points = len(_dataset(root, "Points", size))
+            self._points = len(dataset_in(root, "Points", size))
             for name in self._places:
                 self._dataset(root, name, size)
 
@@ -55,7 +48,7 @@ class Snapshot(Mapping[str, NDArray[Any]]):
             with self._root() as (root, size):
                 dataset = self._dataset(root, name, size)
                 values = np.asarray(dataset[...])
-                if _sum(values) != int(dataset.attrs[SUM]):
+                if sum_of(values) != int(dataset.attrs[SUM]):
                     raise PockmarkError(f"{place} is not what was written (its check sum differs)")
             self._read[name] = values
         return self._read[name]
@@ -71,7 +64,7 @@ class Snapshot(Mapping[str, NDArray[Any]]):
     def _dataset(self, root: h5py.Group, name: str, size: int) -> h5py.Dataset:
         """Return a field's dataset. Raises PockmarkError if it has not the shape of the points."""
         place = self._places[name]
-        dataset = _dataset(root, place, size)
+        dataset = dataset_in(root, place, size)
         components = COMPONENTS.get(name, 1)
         shape = (1,) if name == "time" else (self._points, components)[: 1 + (components > 1)]
         if dataset.shape != shape:
@@ -91,7 +84,7 @@ class Snapshot(Mapping[str, NDArray[Any]]):
         try:
             # By the descriptor: the name may stand for another file by now.
             with h5py.File(f"/proc/self/fd/{descriptor}", "r") as file:
-                yield _group(file, "VTKHDF"), os.fstat(descriptor).st_size
+                yield group_in(file, "VTKHDF"), os.fstat(descriptor).st_size
         except PockmarkError as error:
             raise PockmarkError(f"{self.path}: is not a snapshot of pockmark's: {error}") from None
         except Exception as error:  # of a damaged file HDF5 raises any kind
@@ -106,13 +99,9 @@ def write_snapshot(
     path: Path, fields: Mapping[str, NDArray[Any]], time_s: float, step: int, scene_hash: str
 ) -> None:
     """Write all fields of all points of a scene into a new file. Raises PockmarkError, and then there is none."""
-    with replaced(path) as descriptor:
-        try:
-            with h5py.File(f"/proc/self/fd/{descriptor}", "w", libver=(VERSION, VERSION)) as file:
-                _write_vtkhdf(file, fields, time_s, step)
-                file["VTKHDF"].attrs[HASH] = np.bytes_(scene_hash.encode())
-        except (OSError, RuntimeError) as error:  # HDF5 tells a full disk as either
-            raise PockmarkError(f"{path}: cannot be written ({reason(error)})") from None
+    with written(path) as file:
+        _write_vtkhdf(file, fields, time_s, step)
+        file["VTKHDF"].attrs[HASH] = np.bytes_(scene_hash.encode())
 
 
 def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> None:
@@ -123,7 +112,7 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
     n = len(fields["position"])
     for name, count in (("NumberOfPoints", n), ("NumberOfCells", n), ("NumberOfConnectivityIds", n)):
         root.create_dataset(name, data=np.array([count], dtype=np.int64))
-    _put(root, "Points", fields["position"])
+    put(root, "Points", fields["position"])
     root.create_dataset("Connectivity", data=np.arange(n, dtype=np.int64), compression=1, shuffle=True)
     root.create_dataset("Offsets", data=np.arange(n + 1, dtype=np.int64), compression=1, shuffle=True)
     root.create_dataset("Types", data=np.full(n, 1, dtype=np.uint8), compression=1, shuffle=True)
@@ -132,54 +121,16 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
         if name == "position":
             continue
         values = fields[name]  # asked for once: the fields of a simulation are copies
-        _put(data, name, values)
+        put(data, name, values)
         if name in DERIVED:
             derived, compute = DERIVED[name]
-            _put(data, derived, compute(values))
+            put(data, derived, compute(values))
     extra = root.create_group("FieldData")
-    _put(extra, "time", np.array([time_s]))
-    _put(extra, "step", np.array([step], dtype=np.int64))
-
-
-def _put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
-    """Write a dataset with the check sum of its bytes."""
-    group.create_dataset(name, data=values).attrs[SUM] = np.uint32(_sum(values))
-
-
-def _sum(values: NDArray[Any]) -> int:
-    return zlib.crc32(np.ascontiguousarray(values).data.cast("B")) if values.size else 0
+    put(extra, "time", np.array([time_s]))
+    put(extra, "step", np.array([step], dtype=np.int64))
 
 
 def _hash(root: h5py.Group) -> str | None:
     """Return the hash of the scene that a snapshot is of, None where it does not say."""
     found = root.attrs.get(HASH)
     return None if found is None else bytes(found).decode(errors="replace")
-
-
-def _group(parent: h5py.Group, name: str) -> h5py.Group:
-    """Return a group that lies in the file itself. Raises PockmarkError."""
-    if isinstance(found := _own(parent, name), h5py.Group):
-        return found
-    raise PockmarkError(f"{name} is missing or no group")
-
-
-def _dataset(root: h5py.Group, place: str, size: int) -> h5py.Dataset:
-    """Return a dataset whose bytes all lie in the file of `size` bytes itself, as they are. Raises PockmarkError."""
-    *groups, name = place.split("/")
-    for group in groups:
-        root = _group(root, group)
-    found = _own(root, name)
-    if not isinstance(found, h5py.Dataset) or found.shape is None:
-        raise PockmarkError(f"{place} is missing or no dataset")
-    layout = found.id.get_create_plist()
-    if layout.get_layout() != h5py.h5d.CONTIGUOUS or layout.get_external_count():
-        raise PockmarkError(f"{place} is not stored as pockmark stores it, in one piece")
-    bytes_needed, start = math.prod(found.shape) * found.dtype.itemsize, found.id.get_offset()
-    if bytes_needed and (start is None or start + bytes_needed > size):
-        raise PockmarkError(f"{place} is cut off")
-    return found
-
-
-def _own(parent: h5py.Group, name: str) -> Any:
-    """Return what a group holds under a name, None for nothing and for a link to elsewhere."""
-    return parent[name] if isinstance(parent.get(name, getlink=True), h5py.HardLink) else None

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, read_text, told, write_text
+from ..base.files import AnyPath, as_path, open_regular, read_text, told, write_text
 from ..base.toml import parse_toml
 from ..scene.scene import Scene, hash_of
 from .history import Rows, append_row, read_rows
@@ -29,12 +29,14 @@ OWN_FILES = (
     "scene.toml",
     HISTORY,
     "snapshot-*.vtkhdf",
+    "checkpoint-*.h5",
     "crater.png",
     "history.png",
     MANIFEST,
 )
 SNAPSHOT = re.compile(r"snapshot-(\d{1,9})\.vtkhdf")
 UNENDED = ("running", "killed")
+NOTHING = {"history": 0, "snapshot": -1}  # how far the files of a run are that has just begun
 
 
 class RunFolder:
@@ -56,7 +58,7 @@ class RunFolder:
         folder.require_free(force=force)
         with told(folder.path):
             folder.path.mkdir(parents=True, exist_ok=True)
-        folder._lock = Lock(folder.path)
+        folder.lock()
         try:
             folder.require_free(force=force)  # another process may have been and gone
             folder.clear()
@@ -90,6 +92,10 @@ class RunFolder:
         if not force:
             raise PockmarkError(f"{self.path}: holds a run (--force replaces it)")
 
+    def lock(self) -> None:
+        """Keep other processes from running in the folder, until release(). Raises PockmarkError naming one that does."""
+        self._lock = Lock(self.path)
+
     def release(self) -> None:
         """Let other processes run in the folder."""
         if self._lock:
@@ -106,9 +112,16 @@ class RunFolder:
 
     def clear(self) -> None:
         """Remove what pockmark wrote; files of the user's stay."""
+        self._clear_parts()  # first: a folder without a manifest is no run
         for pattern in OWN_FILES:
-            # What was being written when its process was killed first: a folder without a manifest is no run.
-            for file in (*self.path.glob(f"{pattern}*.part"), *self.path.glob(pattern)):
+            for file in self.path.glob(pattern):
+                with told(file):
+                    file.unlink()
+
+    def _clear_parts(self) -> None:
+        """Remove what was being written when its process was killed."""
+        for pattern in OWN_FILES:
+            for file in self.path.glob(f"{pattern}*.part"):
                 with told(file):
                     file.unlink()
 
@@ -117,7 +130,8 @@ class RunFolder:
         path = self.path / "scene.toml"
         table, known = parse_toml(read_text(path), path), self.manifest()
         # The title was part of the hash before the physics was counted.
-        if hash_of(table, titled=known.get("physics") is None) != known["scene_hash"]:
+        hashed = hash_of(table, titled=known.get("physics") is None)
+        if hashed not in (known["scene_hash"], known.get("next_scene_hash")):
             raise PockmarkError(f"{path}: is not the scene of this run, whose hash {MANIFEST} has")
         return Scene.from_dict(table, source=str(path))
 
@@ -147,6 +161,38 @@ class RunFolder:
     def write_manifest(self, table: Mapping[str, Any]) -> None:
         """Replace manifest.json in one go."""
         write_text(self.path / MANIFEST, to_json(table) + "\n")
+
+    def change_end(self, scene: Scene) -> None:
+        """Replace the scene by one that ends later. Killed at any moment, the folder holds one of the two."""
+        known = self.manifest()
+        earlier = [*known.get("earlier_scene_hashes", ()), known["scene_hash"]]
+        self.write_manifest(known | {"next_scene_hash": scene.hash, "earlier_scene_hashes": earlier})
+        write_text(self.path / "scene.toml", scene.to_toml())
+        self.write_manifest(known | {"scene_hash": scene.hash, "earlier_scene_hashes": earlier})
+
+    def extent(self) -> dict[str, int]:
+        """Return how far the files are, once they are on the disk: bytes of history.csv, number of the last snapshot (-1: none)."""
+        history, last = self.path / HISTORY, self.snapshots()[-1:]
+        extent = dict(NOTHING)
+        if history.exists():
+            extent["history"] = _on_disk(history)
+        for path in last:
+            _on_disk(path)
+            extent["snapshot"] = _number(path) or 0
+        return extent
+
+    def rewind(self, extent: Mapping[str, int]) -> None:
+        """Take off what was written since the files were this far. Raises PockmarkError if it lacks what it had then."""
+        self._clear_parts()
+        now = self.extent()
+        if lacking := [name for name in extent if now[name] < extent[name]]:
+            raise PockmarkError(f"{self.path}: its {lacking[0]} has lost what was there at the checkpoint")
+        if now["history"] > extent["history"]:
+            _cut(self.path / HISTORY, extent["history"])
+        for path in self.snapshots():
+            if (_number(path) or 0) > extent["snapshot"]:
+                with told(path):
+                    path.unlink()
 
     def append_history(self, row: Mapping[str, float]) -> None:
         """Add a row to history.csv; the first one writes the header."""
@@ -196,9 +242,24 @@ class RunFolder:
     def snapshot(self, path: Path) -> Snapshot:
         """Return the fields of one of its snapshots. Raises PockmarkError if that is none, or of another scene."""
         read = Snapshot(path)
-        if read.scene_hash not in (None, self.manifest()["scene_hash"]):
+        known = self.manifest()
+        if read.scene_hash not in (None, known["scene_hash"], *known.get("earlier_scene_hashes", ())):
             raise PockmarkError(f"{path}: is a snapshot of another scene than this run's")
         return read
+
+
+def _on_disk(path: Path) -> int:
+    """Wait until a file is on the disk, and return its bytes."""
+    descriptor = open_regular(path, os.O_RDONLY)
+    with told(path), open(descriptor, "rb") as file:
+        os.fsync(descriptor)
+        return os.fstat(file.fileno()).st_size
+
+
+def _cut(path: Path, size: int) -> None:
+    """Take off what a file has beyond `size` bytes."""
+    with told(path), open(open_regular(path, os.O_WRONLY), "wb", buffering=0) as file:
+        file.truncate(size)
 
 
 def _number(path: Path) -> int | None:

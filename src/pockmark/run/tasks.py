@@ -1,6 +1,8 @@
 """What happens during a run: history, snapshots, the progress bar."""
 
 import time
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
@@ -8,8 +10,18 @@ from ..base.ledger import LEDGER
 from ..base.lengths import in_metres
 from .doubts import Doubts
 from .live import live_depth
-from .simulation import LiveFields, Simulation
+from .simulation import LiveFields, Simulation, Task
 from .store import RunFolder
+
+
+class KeptTask(Task, Protocol):
+    """A task with a state that a checkpoint keeps: what JSON can hold."""
+
+    def state(self) -> dict[str, Any]:
+        """Return what it needs to go on."""
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Go on from there."""
 
 
 class History:
@@ -37,6 +49,15 @@ class History:
         self.folder.append_history(row)
         self._written = simulation.time
 
+    def state(self) -> dict[str, Any]:
+        """Return the time of the last row (s), and the doubts so far."""
+        return {"written": self._written, "doubts": self.doubts.state()}
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Go on after a row."""
+        self._written = state["written"]
+        self.doubts.set_state(state["doubts"])
+
 
 class Snapshots:
     """A VTKHDF file every `interval` seconds, exactly."""
@@ -56,13 +77,21 @@ class Snapshots:
         self.folder.write_snapshot(LiveFields(simulation), simulation.time, simulation.steps)
         self._written = simulation.time
 
+    def state(self) -> dict[str, Any]:
+        """Return the time of the last snapshot, s."""
+        return {"written": self._written}
+
+    def set_state(self, state: Mapping[str, Any]) -> None:
+        """Go on after a snapshot."""
+        self._written = state["written"]
+
 
 class ProgressBar:
     """Simulated time, rate, time left and depth on the terminal."""
 
     def __init__(self, simulation: Simulation) -> None:
         """Start the bar at once; call close() at the end."""
-        end = simulation.scene.end_time
+        end = simulation.end_time
         self._shown = float("-inf")
         self._bar = Progress(
             TextColumn("{task.description}"),
@@ -76,7 +105,7 @@ class ProgressBar:
 
     def watch(self, simulation: Simulation) -> None:
         """Show where the run is, every second. No task: it must not move the steps."""
-        if time.monotonic() - self._shown < 1.0 and simulation.time < simulation.scene.end_time:
+        if time.monotonic() - self._shown < 1.0 and simulation.time < simulation.end_time:
             return
         self._shown = time.monotonic()
         live = live_depth(simulation)

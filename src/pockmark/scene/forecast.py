@@ -20,6 +20,7 @@ RUNNING, DRAWING = 148 * 2**20, 180 * 2**20  # Python and the libraries; with wh
 # On the disk, whatever the precision:
 BYTES_PER_POINT_KEPT = 174  # of a snapshot
 BYTES_PER_ROW = 450  # of the history
+NUMBERS_IN_CHECKPOINT = 20  # a point
 BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 300_000
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
@@ -88,6 +89,8 @@ def _disk(scene: Scene, points: int) -> float:
         for interval in (scene.output.snapshots, scene.output.history)
     )
     kept = snapshots * (points * BYTES_PER_POINT_KEPT + BYTES_PER_SNAPSHOT)
+    if scene.output.checkpoints:  # the last one stays
+        kept += points * (NUMBERS_IN_CHECKPOINT * (8 if scene.numerics.precision == "double" else 4) + 10)
     return kept + rows * BYTES_PER_ROW + BYTES_OF_PICTURES
 
 

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ..base.units import Number, Time
+from ..base.units import Number, Time, quantity
 from .materials import Model
 
 
@@ -27,7 +27,11 @@ class Numerics(Model):
 
 
 class Output(Model):
-    """How often a run writes: time between snapshots, hit exactly, and between rows of the history, written with the first step at or beyond."""
+    """How often a run writes: time between snapshots, hit exactly, and between rows of the history, written with the first step at or beyond.
+
+    Between checkpoints lies wall time, so they change nothing that is computed; 0 for none at all.
+    """
 
     snapshots: Annotated[Time, Field(gt=0)] = 1e-7
     history: Annotated[Time, Field(gt=0)] = 2e-9
+    checkpoints: Annotated[float, quantity("s", 0.0, 1e7)] = 300.0

@@ -180,8 +180,8 @@ class Scene(Model):
                 f"end_time: {self.end_time:g} s takes about {self.steps_about:.3g} steps with waves of {self.wave_speed:.3g} "
                 f"m/s in cells of {self.grid.cell:g} m, at most {MAX_STEPS:.0e} are allowed"
             )
-        for key, interval in self.output.model_dump().items():
-            if interval < self.end_time / MAX_OUTPUTS:
+        for key in ("snapshots", "history"):
+            if (interval := getattr(self.output, key)) < self.end_time / MAX_OUTPUTS:
                 least = f"at least end_time/{MAX_OUTPUTS:.0e} = {self.end_time / MAX_OUTPUTS:g} s is needed"
                 yield f"output.{key}: found {interval:g} s, {least}"
 
@@ -218,6 +218,11 @@ class Scene(Model):
     def hash(self) -> str:
         """Identifies what is computed: the same for scenes that are equal but for their titles."""
         return hash_of(self.to_dict())
+
+    @property
+    def course(self) -> str:
+        """Identifies what is computed until the end, whenever that is."""
+        return hash_of(self.to_dict() | {"end_time": None})
 
     @property
     def projectiles(self) -> tuple[int, ...]:
@@ -277,6 +282,8 @@ def _plain(table: Mapping[str, Any], source: str) -> dict[str, Any]:
 def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     """Return what identifies a scene's table, 16 hexadecimal digits; the title is a part of it only if `titled`."""
     hashed = {key: value for key, value in table.items() if titled or key != "title"}
+    if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
+        hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
     return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 

@@ -21,7 +21,7 @@ from ..base.files import replaced, told
 from ..base.lengths import in_metres, unit_for
 from ..base.terminal import literal
 from ..run.measured import measure_run
-from ..run.pipeline import run_scene
+from ..run.pipeline import can_resume, resume_run, run_scene
 from ..run.simulation import thread_count
 from ..run.stop import heard_between_steps
 from ..run.store import RunFolder
@@ -179,11 +179,15 @@ def _made_by(folder: Path) -> dict[str, str]:
 
 
 def _run(scene: dict[str, Any], folder: str, threads: int, coarse: bool) -> str:
-    """Run a scene in a process of its own; return why it failed, or an empty text."""
+    """Run a scene in a process of its own, from its checkpoint where it was stopped; return why it failed, or an empty text."""
+    loaded = Scene.from_dict(scene)
     try:
-        _, finished = run_scene(
-            Scene.from_dict(scene), folder, threads=threads, force=True, progress=False, coarse=coarse
-        )
+        if can_resume(folder, loaded):
+            finished = resume_run(folder, threads=threads, progress=False).is_finished
+        else:
+            _, finished = run_scene(
+                loaded, folder, threads=threads, force=True, progress=False, coarse=coarse
+            )
     except PockmarkError as error:
         return str(error).removeprefix(f"{folder}: ")
     return "" if finished else "interrupted"

@@ -1,0 +1,33 @@
+"""What `pockmark run` and `resume` show at the end of a run, and the code that they end with."""
+
+import typer
+
+from ..base.errors import shown
+from ..run.keeper import checkpoints
+from ..run.measured import measure_run
+from ..run.pictures import plot_run
+from ..run.store import RunFolder
+from ..view.report import report
+from .common import CONSOLE, DOUBTFUL, MAX_PATH
+
+
+def measured_and_drawn(folder: RunFolder) -> bool:
+    """Print the table of a run and draw its pictures. Returns whether the run is doubtful."""
+    result = measure_run(folder.path)
+    CONSOLE.print(report(result))
+    for picture in plot_run(folder.path):
+        CONSOLE.print(f"wrote {shown(picture, MAX_PATH)}")
+    return bool(result["doubts"])
+
+
+def end(folder: RunFolder, *, finished: bool, doubtful: bool) -> None:
+    """Leave with the exit code of a run, and say what it stands for; come back from one that is as it should be."""
+    if not finished:
+        how = "; pockmark resume goes on" if checkpoints(folder.path) else ""
+        CONSOLE.print(f"interrupted: what was computed is kept{how}", style="yellow")
+        raise typer.Exit(130)
+    if doubtful:
+        CONSOLE.print(
+            "doubtful: what the table says of it first makes its other numbers worth little", style="bold red"
+        )
+        raise typer.Exit(DOUBTFUL)

@@ -1,0 +1,116 @@
+"""Datasets with check sums in HDF5 files, read with distrust.
+
+What is read must be as pockmark writes it: plain numbers that lie in the file itself. So no link, no external or virtual
+storage and no filter is followed, and a declared shape cannot ask for more memory than the file has bytes.
+"""
+
+import io
+import math
+import os
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base.errors import PockmarkError
+from ..base.files import reason, replaced
+
+VERSION = "v108"  # of HDF5's format: the first with check sums of its own tables
+SUM = "crc32"
+
+
+@contextmanager
+def written(path: Path) -> Iterator[h5py.File]:
+    """Give an empty HDF5 file that takes the place of `path` at the end, when it is on the disk.
+
+    Raises PockmarkError where it cannot be written; then what was there stays whole.
+    """
+    with replaced(path) as descriptor:
+        disk = _Disk(descriptor)
+        with h5py.File(disk, "w", libver=(VERSION, VERSION)) as file:
+            yield file
+        if disk.fault is None:
+            os.fsync(descriptor)
+        else:
+            raise PockmarkError(f"{path}: cannot be written ({reason(disk.fault)})")
+
+
+class _Disk(io.FileIO):
+    """A file that keeps its first failure to itself: HDF5 crashes the process some time after it saw one."""
+
+    fault: OSError | None = None
+
+    def __init__(self, descriptor: int) -> None:
+        super().__init__(descriptor, "r+", closefd=False)
+
+    def write(self, content: Any) -> int:
+        """Write all of it, or nothing after a failure."""
+        left = memoryview(content).cast("B")
+        size = len(left)
+        try:
+            while left and self.fault is None:
+                left = left[super().write(left) or 0 :]
+        except OSError as error:
+            self.fault = error
+        return size
+
+    def truncate(self, size: int | None = None) -> int:
+        """Make the file as long as asked, or leave it after a failure."""
+        try:
+            return self.tell() if self.fault else super().truncate(size)
+        except OSError as error:
+            self.fault = error
+            return self.tell()
+
+
+def put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
+    """Write a dataset with the check sum of its bytes."""
+    group.create_dataset(name, data=values).attrs[SUM] = np.uint32(sum_of(values))
+
+
+def sum_of(values: NDArray[Any]) -> int:
+    """Return the check sum of an array's bytes."""
+    return zlib.crc32(np.ascontiguousarray(values).data.cast("B")) if values.size else 0
+
+
+def group_in(parent: h5py.Group, name: str) -> h5py.Group:
+    """Return a group that lies in the file itself. Raises PockmarkError."""
+    if isinstance(found := _own(parent, name), h5py.Group):
+        return found
+    raise PockmarkError(f"{name} is missing or no group")
+
+
+def dataset_in(root: h5py.Group, place: str, size: int) -> h5py.Dataset:
+    """Return a dataset whose bytes all lie in the file of `size` bytes itself, as they are. Raises PockmarkError."""
+    *groups, name = place.split("/")
+    for group in groups:
+        root = group_in(root, group)
+    found = _own(root, name)
+    if not isinstance(found, h5py.Dataset) or found.shape is None:
+        raise PockmarkError(f"{place} is missing or no dataset")
+    layout = found.id.get_create_plist()
+    if layout.get_layout() != h5py.h5d.CONTIGUOUS or layout.get_external_count():
+        raise PockmarkError(f"{place} is not stored as pockmark stores it, in one piece")
+    bytes_needed, start = math.prod(found.shape) * found.dtype.itemsize, found.id.get_offset()
+    if bytes_needed and (start is None or start + bytes_needed > size):
+        raise PockmarkError(f"{place} is cut off")
+    return found
+
+
+def checked(root: h5py.Group, place: str, size: int) -> NDArray[Any]:
+    """Return a dataset's values. Raises PockmarkError if its check sum is missing or not that of what was written."""
+    dataset = dataset_in(root, place, size)
+    values, expected = np.asarray(dataset[...]), dataset.attrs.get(SUM)
+    if expected is None or sum_of(values) != int(expected):
+        raise PockmarkError(f"{place} is not what was written (its check sum differs)")
+    return values
+
+
+def _own(parent: h5py.Group, name: str) -> Any:
+    """Return what a group holds under a name, None for nothing and for a link to elsewhere."""
+    return parent[name] if isinstance(parent.get(name, getlink=True), h5py.HardLink) else None
