@@ -12,8 +12,8 @@ from pockmark.scene.materials import Material
 
 Fields = Mapping[str, NDArray[Any]]
 LEDGER = 0.01  # of the initial energy
-# Of the projectile's kinetic energy per volume: below is rounding and the scheme's error in the energy of a point that
-# has hardly been shocked. Compression, flow and viscosity all pay in.
+# Of the larger of the projectile's kinetic energy and the heat at rest, per volume: below is rounding and the scheme's error
+# in the energy of a point that has hardly been shocked. Compression, flow and viscosity all pay in.
 ENERGY = 1e-3
 
 
@@ -55,7 +55,7 @@ def _impossible(
     yield "no volume", volume <= 0, _least(volume / (f["mass"] / material.density))
     yield "below 0 K", temperature < 0, _least(temperature)
     yield "beyond the strong-shock limit", density > most(material), -_least(-density)
-    scale = material.density * speed**2 / 2
+    scale = material.density * max(speed**2 / 2, material.thermal.specific_heat * material.thermal.room_temperature)
     compressed = (volume > 0) & (density > 1)
     yield (
         "negative energy",

@@ -26,7 +26,7 @@ KINDS: dict[str, Callable[[], Callable[[int], Verdict]]] = {
     "runs": lambda: run_case,
 }
 # Of the processor; a campaign checks the scenes of all its runs, some ten milliseconds each.
-SECONDS = {"scenes": 10, "campaigns": 60, "folders": 10, "runs": 30}
+SECONDS = {"scenes": 10, "campaigns": 60, "folders": 10, "runs": 60}
 MEMORY = {"scenes": 2**29, "campaigns": 2**29, "folders": 2**31, "runs": 2**32}  # bytes beyond the modules'
 
 

@@ -18,7 +18,7 @@ SUMMARY = Path(__file__).with_name("summary.csv")
 FORMS = {
     "scenes": (300, 20_000, 0.1),
     "campaigns": (60, 2000, 0.05),
-    "folders": (30, 300, 0.2),
+    "folders": (30, 300, 0.15),
     "runs": (6, 300, 0.8),
 }
 
