@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from ..base.units import Length
 from .bodies import Vector, require_size
-from .materials import Model
+from .model import Model
 
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")

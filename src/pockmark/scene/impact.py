@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from ..base.units import Angle, Speed
-from .materials import Model
+from .model import Model
 
 
 class Impact(Model):

@@ -10,26 +10,13 @@ from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationInfo,
-    create_model,
-    field_validator,
-)
+from pydantic import Field, ValidationInfo, create_model, field_validator
 from scipy.optimize import brentq
 
 from .. import _core
 from ..base.errors import PockmarkError, found
 from ..base.units import quantity
-
-
-class Model(BaseModel):
-    """A strict, immutable table: unknown keys are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
+from .model import Model
 
 # Every constant has a range: wide enough for aerogel, gels, foams, ice and osmium, and far too narrow for a slip of the
 # exponent or a forgotten unit. Those of the laws are declared in their own files, core/eos, core/strength and core/failure.

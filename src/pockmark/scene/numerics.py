@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ..base.units import Number, Time, quantity
-from .materials import Model
+from .model import Model
 
 
 class Contact(Model):

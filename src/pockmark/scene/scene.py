@@ -20,7 +20,8 @@ from ..base.units import quantity
 from .bodies import Body, Solid, overlap
 from .grid import FACES, MAX_NODES, Boundary, Grid
 from .impact import Impact
-from .materials import Material, Model, complete
+from .materials import Material, complete
+from .model import Model
 from .numerics import Contact, Numerics, Output
 from .overrides import override
 from .sentences import faults

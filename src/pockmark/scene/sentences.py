@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ..base.errors import found, together
-from .materials import Model
+from .model import Model
 
 Location = tuple[int | str, ...]
 

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError
 from ..base.errors import PockmarkError
 from ..base.files import as_path
 from ..base.toml import read_toml, to_toml
-from ..scene.materials import Model
+from ..scene.model import Model
 from ..scene.scene import Scene
 from ..scene.sentences import sentence
 

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from ...base.geometry import Mirror
 from ...base.units import Length, Velocity
-from ..materials import Model
+from ..model import Model
 
 Array = NDArray[np.floating]
 Vector = tuple[Length, Length, Length]
