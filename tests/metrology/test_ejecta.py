@@ -71,7 +71,7 @@ def test_the_lining_is_what_lies_in_the_bowl(y, images):
     layer, outside = lattice((-16, 16), y, (-12, -8)), lattice((-30, -20), (0, 10), (0, 2))
     fields = snapshot((target, (0, 0, 0), 0), (layer, (0, 0, 0), 1), (outside, (0, 0, 0), 1))
     is_target = fields["body"] == 0
-    crater = measure_target(fields["position"][is_target], fields["volume"][is_target], H, mirrors=HALF)
+    crater = measure_target(fields["position"][is_target], fields["volume"][is_target], Setup(H, HALF))
     mass, thickness = lining(fields, crater, Setup(H, HALF, projectiles=(1,)))
     print(
         f"C_p {crater.depth * 1e6:.2f} of 12 um, lining {thickness * 1e6:.2f} of 4 um, mass {mass / len(layer) / 1e-12:.3f}"

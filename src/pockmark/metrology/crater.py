@@ -1,18 +1,17 @@
 """What a crater measures: depth, pithead, volume, rim. The definitions are in docs/metrology.md."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..base.geometry import Mirror, Wall
+from ..base.geometry import Setup
 from .contours import contour_area, largest_contour, open_at_edge, polygon_moments
 from .ellipse import Ellipse, ellipse_of, with_area
 from .rim import Rim, crest_height, mean_crest, rim_of
-from .surface import SIGMA, Surface, target_field
+from .surface import SIGMA, Surface, target_filling
 
 Array = NDArray[np.float64]
 FIT_RADIUS = 3.0  # of the bottom's paraboloid, spacings
@@ -42,18 +41,13 @@ class Crater:
         return self.rim.diameter if self.rim else None
 
 
-def measure_target(
-    position: Array,
-    volume: Array,
-    spacing: float,
-    *,
-    mirrors: Sequence[Mirror] = (),
-    wall: Wall | None = None,
-    level: float = 0.5,
-) -> Crater | None:
-    """Return the crater in the target's points, as for `target_field`, at a level of the fraction; None if there is none."""
-    field = target_field(position, volume, spacing, mirrors=mirrors, wall=wall)
-    return None if field is None else measure_crater(field.surface(level))
+def measure_target(position: Array, volume: Array, setup: Setup, *, level: float = 0.5) -> Crater | None:
+    """Return the crater in the target's points at a `level` of the fraction; None if there is none.
+
+    `position` (n, 3) m, `volume` (n,) m^3 and `setup` are as `target_filling` takes them.
+    """
+    filling = target_filling(position, volume, setup)
+    return None if filling is None else measure_crater(filling.surface(level))
 
 
 def measure_crater(surface: Surface, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:

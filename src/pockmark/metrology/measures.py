@@ -10,7 +10,7 @@ from ..base.geometry import Setup
 from . import cautions, results
 from .hole import measure_hole
 from .morphology import group_of
-from .surface import Field, Surface
+from .surface import Filling, Surface
 
 # What a measure makes of absurd fields is no number then: null in the table, and a sentence, not a warning of NumPy's.
 UNWARNED = np.errstate(all="ignore")
@@ -26,16 +26,16 @@ def measures(
     history: History,
 ) -> dict[str, Any]:
     """Return the tables crater, energy, run, counters, ejecta and, of a swarm, group, and the warnings of a state in a snapshot."""
-    field = results.field_of(snapshot, setup)
-    surface = surface_of(field)
+    filling = results.filling_of(snapshot, setup)
+    surface = surface_of(filling)
     crater = results.crater_of(surface, setup.heading)
     hole = None if surface is None else measure_hole(surface)
     is_open = surface is not None and bool(surface.holes.any())
     table = results.result_table(crater, float(snapshot["time"][0]), setup, ledger, run, counters)
-    table["crater"] |= results.morphology_table(snapshot, field, crater, setup)
+    table["crater"] |= results.morphology_table(snapshot, filling, crater, setup)
     no_wall = [*cautions.missing(snapshot, setup)]
     is_told = not no_wall and (hole is not None or not is_open)
-    table["crater"] |= results.hole_table(field, hole) if is_told else dict.fromkeys(results.HOLE)
+    table["crater"] |= results.hole_table(filling, hole) if is_told else dict.fromkeys(results.HOLE)
     change = table["crater"]["depth_change_last_tenth"] = _late_change(history)
     if group := group_of(surface, setup):
         table["group"] = results.group_table(group, setup)
@@ -52,9 +52,9 @@ def measures(
     return table
 
 
-def surface_of(field: Field | None) -> Surface | None:
-    """Return the surface in a field; None of nothing."""
-    return None if field is None else field.surface()
+def surface_of(filling: Filling | None) -> Surface | None:
+    """Return the surface of a filling; None where there is no filling."""
+    return None if filling is None else filling.surface()
 
 
 def worst_error(history: History) -> tuple[float, float | None] | None:

@@ -10,7 +10,9 @@ from scipy import ndimage
 Array = NDArray[np.float64]
 
 
-def filling(position: Array, volume: Array, lower: Array, width: Array, shape: Sequence[int]) -> Array:
+def filling_of_cells(
+    position: Array, volume: Array, lower: Array, width: Array, shape: Sequence[int]
+) -> Array:
     """Return the share (shape) of each cell lower + i width that the points fill; points elsewhere do not count."""
     cell = np.floor((position - lower) / width).astype(np.int64)
     inside = np.all((cell >= 0) & (cell < np.array(shape)), axis=1)
@@ -52,7 +54,9 @@ def attached(
     width = np.full(3, 2 * spacing)
     lower = np.floor(position.min(axis=0) / width) * width - width
     cell = np.floor((position - lower) / width).astype(np.int64)
-    pieces, count = ndimage.label(filling(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5)
+    pieces, count = ndimage.label(
+        filling_of_cells(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5
+    )
     of_point = pieces[tuple(cell.T)]
     owner = np.zeros(len(position), dtype=int) if owner is None else owner
     largest: list[int] = []

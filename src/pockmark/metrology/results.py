@@ -16,7 +16,7 @@ from .hole import Hole, measure_hole
 from .lining import lining
 from .modes import bottoms_of, measures_of, mode_of
 from .morphology import Group, Pit
-from .surface import Field, Surface, target_field
+from .surface import Filling, Surface, target_filling
 from .uncertainty import LEVELS, half_difference, uncertainties
 
 SHAPE = (
@@ -44,14 +44,14 @@ EJECTA = (
 )
 
 
-def field_of(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Field | None:
+def filling_of(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Filling | None:
     """Return the wall near its crater in a snapshot of all points; None if nothing of it is open, or the points are no longer anywhere."""
     wall = setup.wall
     if wall is None or wall.layers < LEAST_LAYERS or misplaced(snapshot):
         return None
     is_target = np.isin(snapshot["body"], wall.bodies)
     position, volume = snapshot["position"][is_target], snapshot["volume"][is_target]
-    return target_field(position, volume, wall.spacing, mirrors=setup.mirrors, wall=wall)
+    return target_filling(position, volume, setup)
 
 
 def misplaced(snapshot: Mapping[str, NDArray[Any]]) -> int:
@@ -68,16 +68,16 @@ def crater_of(surface: Surface | None, heading: tuple[float, float] = (1.0, 0.0)
 
 def morphology_table(
     snapshot: Mapping[str, NDArray[Any]],
-    field: Field | None,
+    filling: Filling | None,
     crater: Crater | None,
     setup: Setup,
 ) -> dict[str, Any]:
     """Return the crater's shape, lining and uncertainties, SI; None for what there is not."""
     shape: dict[str, Any] = dict.fromkeys(SHAPE)
-    if field is None or crater is None:
+    if filling is None or crater is None:
         return shape
     mass, thickness = lining(snapshot, crater, setup)
-    low, high = (measure_crater(field.surface(level), setup.heading) for level in LEVELS)
+    low, high = (measure_crater(filling.surface(level), setup.heading) for level in LEVELS)
     shape |= {
         "bottom_x": crater.bottom[0],
         "bottom_y": crater.bottom[1],
@@ -99,13 +99,13 @@ def morphology_table(
     return shape
 
 
-def hole_table(field: Field | None, hole: Hole | None) -> dict[str, Any]:
+def hole_table(filling: Filling | None, hole: Hole | None) -> dict[str, Any]:
     """Return the holes in the wall, and the widest one's least section, SI; the `uncertainty` of its widths. Of a wall: without one,
     or where a hole cannot be told from a crater, nothing is known."""
     table: dict[str, Any] = dict.fromkeys(HOLE) | {"perforated": hole is not None, "holes": 0}
-    if field is None or hole is None:
+    if filling is None or hole is None:
         return table
-    low, high = (measure_hole(field.surface(level)) for level in LEVELS)
+    low, high = (measure_hole(filling.surface(level)) for level in LEVELS)
     spread = {
         "hole_" + key: half_difference(*(getattr(h, key) if h else None for h in (low, high)))
         for key in ("width", "diameter")

@@ -4,7 +4,6 @@ Linear tents as wide as the point spacing h carry each point's volume to nodes h
 the fraction is one half. Which points count, and why: docs/metrology.md.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,8 +12,8 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import find_contours
 
-from ..base.geometry import Mirror, Wall
-from .pieces import attached, filling, outside
+from ..base.geometry import Mirror, Setup
+from .pieces import attached, filling_of_cells, outside
 
 Array = NDArray[np.float64]
 SIGMA = 12**-0.5  # deviation of a surface that lies evenly within one point spacing, in spacings
@@ -88,8 +87,8 @@ class Surface(OnNodes):
         return [origin + line * self.spacing / 2 for line in lines]
 
 
-class Field(OnNodes):
-    """The target's volume fraction."""
+class Filling(OnNodes):
+    """The share of the space around each node that the target's points fill."""
 
     def surface(self, level: float = 0.5) -> Surface:
         """Return the surface with `level` as the fraction that is taken as the surface."""
@@ -97,55 +96,63 @@ class Field(OnNodes):
         return Surface(self.x, self.y, self.z, fraction, self.spacing, self.back, self.is_backed)
 
 
-def target_field(
-    position: Array,
-    volume: Array,
-    spacing: float,
-    *,
-    mirrors: Sequence[Mirror] = (),
-    wall: Wall | None = None,
-) -> Field | None:
-    """Return the field of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m, surface at z = 0.
+@dataclass(frozen=True)
+class _Target:
+    """The target's points: position (n, 3) m, volume (n,) m^3; their setup; where a node lies, m."""
 
-    Whole about `mirrors`; within the sides of the `wall` that the points were. None where nothing below z = 0 is open.
+    position: Array
+    volume: Array
+    setup: Setup
+    origin: Array
+
+    @property
+    def spacing(self) -> float:
+        """Return the initial spacing of the points, m."""
+        return self.setup.wall.spacing if self.setup.wall else self.setup.spacing
+
+
+def target_filling(position: Array, volume: Array, setup: Setup) -> Filling | None:
+    """Return the filling near the crater of the target's points: position (n, 3) m, volume (n,) m^3.
+
+    The original surface is z = 0. The spacing is that of the setup's wall, or of the setup where it has none. What lies
+    behind a mirror is added. Points that have left the sides of the wall do not count. Returns None where nothing below
+    z = 0 is open.
     """
     origin = np.zeros(3)
-    for mirror in reversed(mirrors):
+    for mirror in reversed(setup.mirrors):
         origin[mirror.axis] = mirror.at
-    box = _neighbourhood(position, volume, spacing, origin, mirrors, wall)
+    target, wall = _Target(position, volume, setup, origin), setup.wall
+    box = _neighbourhood(target)
     if box is None:
         return None
     lower, upper = box
-    field = _field_in(position, volume, spacing, origin, mirrors, lower, upper)
+    near = _filling_in(target, lower, upper)
     if wall is None:
-        return field
-    field = replace(field, back=wall.lower[2], is_backed=wall.is_backed)
+        return near
+    near = replace(near, back=wall.lower[2], is_backed=wall.is_backed)
     # What is open at the box's bottom may end farther down, or be a hole: that needs all of the wall.
-    if not ((field.fraction[:, :, 0] <= 0.5).any() and (field.surface().fraction[:, :, 0] <= 0.5).any()):
-        return field
+    if not ((near.fraction[:, :, 0] <= 0.5).any() and (near.surface().fraction[:, :, 0] <= 0.5).any()):
+        return near
     deepest = wall.lower[2]
     if not wall.face:  # it may bulge
-        deepest = position[attached(position, volume, spacing), 2].min(initial=deepest) - 2 * spacing
+        hangs = attached(position, volume, target.spacing)
+        deepest = position[hangs, 2].min(initial=deepest) - 2 * target.spacing
     lower[2] = min(lower[2], deepest)
-    whole = _field_in(position, volume, spacing, origin, mirrors, lower, upper)
-    return replace(whole, back=field.back, is_backed=field.is_backed)
+    whole = _filling_in(target, lower, upper)
+    return replace(whole, back=near.back, is_backed=near.is_backed)
 
 
-def _field_in(
-    position: Array,
-    volume: Array,
-    spacing: float,
-    origin: Array,
-    mirrors: Sequence[Mirror],
-    lower: Array,
-    upper: Array,
-) -> Field:
-    """Return the field in a box, and above it as high as the points reach; nodes are half a spacing apart from `origin` on."""
+def _filling_in(target: _Target, lower: Array, upper: Array) -> Filling:
+    """Return the filling in a box between two corners, m, and above it as high as the points reach.
+
+    The nodes are half a spacing apart, counted from the target's origin.
+    """
+    position, volume, spacing, origin = target.position, target.volume, target.spacing, target.origin
     lower, upper = lower.copy(), upper.copy()
     upper[2] = np.inf  # the rim
     near = np.all((position > lower - spacing) & (position < upper + spacing), axis=1)
     position, volume = position[near], volume[near]
-    for mirror in mirrors:
+    for mirror in target.setup.mirrors:
         a, face = mirror.axis, (upper if mirror.above else lower)
         if abs(face[a] - mirror.at) < 1e-6 * spacing:
             inside = (position[:, a] < mirror.at) == mirror.above
@@ -158,7 +165,7 @@ def _field_in(
     last = np.ceil((upper - origin) / (spacing / 2) - 1e-6).astype(np.int64)
     fraction = _volume_fraction((position - origin) / spacing, volume / spacing**3, first, last)
     x, y, z = (origin[a] + np.arange(first[a], last[a] + 1) * spacing / 2 for a in range(3))
-    return Field(x, y, z, fraction, spacing)
+    return Filling(x, y, z, fraction, spacing)
 
 
 def with_images(position: Array, values: Array, mirror: Mirror) -> tuple[Array, Array]:
@@ -173,16 +180,14 @@ def with_image(position: Array, mirror: Mirror) -> Array:
     return np.concatenate([position, image])
 
 
-def _neighbourhood(
-    position: Array,
-    volume: Array,
-    spacing: float,
-    origin: Array,
-    mirrors: Sequence[Mirror],
-    wall: Wall | None,
-) -> tuple[Array, Array] | None:
-    """Return the corners (m) of a box around what is open below z = 0: coarse cells less than half full that hang together with
-    the open ones just below the plane. Nothing counts that has left the wall sideways or through its back."""
+def _neighbourhood(target: _Target) -> tuple[Array, Array] | None:
+    """Return the lower and upper corner, m, of a box around what is open below z = 0; None where nothing is.
+
+    The coarse cells less than half full that hang together with the open ones just below z = 0 are open. Points that have
+    left the wall sideways or through its back do not count.
+    """
+    position, volume, spacing, origin = target.position, target.volume, target.spacing, target.origin
+    wall = target.setup.wall
     below = position[:, 2] < 0
     if not below.any():
         return None
@@ -193,9 +198,9 @@ def _neighbourhood(
     last = np.ceil((np.array(upper) - origin) / width - 1e-6).astype(np.int64)
     last[2] = 0
     lower = origin + first * width
-    opened = filling(position, volume[below], lower, width, (last - first).tolist()) < 0.5
+    opened = filling_of_cells(position, volume[below], lower, width, (last - first).tolist()) < 0.5
     low, high = np.array([EDGE, EDGE, 0]), last - first - [EDGE, EDGE, 0]
-    for mirror in mirrors:
+    for mirror in target.setup.mirrors:
         a, cells = mirror.axis, (mirror.at - origin[mirror.axis]) / width[mirror.axis]
         if mirror.above:
             high[a] = int(np.floor(cells + 1e-6)) - first[a]
@@ -233,7 +238,7 @@ def _volume_fraction(
         node = np.ravel_multi_index((base[:, 0] + i, base[:, 1] + j, base[:, 2] + k), shape)
         weight = share * weights[i, :, 0] * weights[j, :, 1] * weights[k, :, 2]
         out += np.bincount(node, weight, minlength=out.size)
-    field = out.reshape(shape)
+    fraction = out.reshape(shape)
     for axis in range(3):
-        field = ndimage.convolve1d(field, [0.5, 1.0, 0.5], axis=axis)
-    return np.asarray(field[(slice(REACH, -REACH),) * 3])
+        fraction = ndimage.convolve1d(fraction, [0.5, 1.0, 0.5], axis=axis)
+    return np.asarray(fraction[(slice(REACH, -REACH),) * 3])

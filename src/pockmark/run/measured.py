@@ -92,4 +92,4 @@ def in_the_grid(snapshot: Snapshot, scene: Scene) -> Snapshot:
 
 
 def surface_in(snapshot: Snapshot, setup: Setup) -> Surface | None:
-    return surface_of(results.field_of(snapshot, setup))
+    return surface_of(results.filling_of(snapshot, setup))
