@@ -10,6 +10,7 @@ import pytest
 from rich.console import Console
 
 from pockmark import Scene, Simulation, measure
+from pockmark.base.json import finite, to_json
 from pockmark.base.ledger import LEDGER as KEYS
 from pockmark.cli import main
 from pockmark.metrology.measures import measures
@@ -18,7 +19,7 @@ from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.points import make_points
 from pockmark.run.setup import setup_of
-from pockmark.run.store import RunFolder, finite, to_json
+from pockmark.run.store import RunFolder
 from pockmark.view.plots import HISTORY_COLUMNS, history_figure, slice_figure
 from pockmark.view.report import report
 

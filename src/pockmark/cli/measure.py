@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
+from ..base.json import to_json
 from ..run.measured import measure_run
-from ..run.store import to_json
 from ..view.report import report
 from .common import CONSOLE, RunDir
 

@@ -7,6 +7,7 @@ import numpy as np
 from ..base.errors import PockmarkError
 from ..base.files import AnyPath
 from ..base.geometry import Setup
+from ..base.json import finite
 from ..metrology import results
 from ..metrology.measures import UNWARNED, measures, surface_of, worst_error
 from ..metrology.surface import Surface
@@ -17,7 +18,7 @@ from .doubts import doubts
 from .pipeline import treatments
 from .setup import setup_of
 from .snapshot import Snapshot
-from .store import UNENDED, RunFolder, finite
+from .store import UNENDED, RunFolder
 
 
 @UNWARNED

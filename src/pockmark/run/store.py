@@ -1,7 +1,5 @@
 """The run folder: scene.toml, manifest.json, history.csv and snapshot-NNNN.vtkhdf files that ParaView opens."""
 
-import json
-import math
 import os
 import re
 from collections.abc import Mapping
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
 from ..base.files import AnyPath, as_path, open_regular, read_text, told, write_text
+from ..base.json import to_json
 from ..base.toml import parse_toml
 from ..scene.scene import Scene, hash_of
 from .history import Rows, append_row, read_rows
@@ -280,17 +279,3 @@ def _start(scene: Scene) -> dict[str, Any]:
         "machine": machine(),
         "options": scene.numerics.model_dump(),
     }
-
-
-def finite(value: Any) -> Any:
-    """Return the value, with None for what is no number (nan, inf) anywhere in its tables and lists: JSON has no word for it."""
-    if isinstance(value, Mapping):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def to_json(value: Any) -> str:
-    """Return JSON that every reader reads."""
-    return json.dumps(finite(value), indent=2, allow_nan=False)

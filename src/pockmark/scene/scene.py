@@ -1,10 +1,9 @@
 """The scene: everything a user decides about a run, SI inside. The defaults of pockmark live here."""
 
 import hashlib
-import itertools
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -14,22 +13,17 @@ from ..base import files
 from ..base.errors import PockmarkError, found, together
 from ..base.files import AnyPath, as_path
 from ..base.geometry import Mirror
-from ..base.lengths import in_metres
 from ..base.toml import read_toml, to_toml
 from ..base.units import quantity
-from .bodies import Body, Solid, overlap
-from .grid import FACES, MAX_NODES, Boundary, Grid
+from .bodies import Body
+from .grid import Boundary, Grid
 from .impact import Impact
 from .materials import Material, complete
 from .model import Model
 from .numerics import Contact, Numerics, Output
 from .overrides import override
+from .rules import broken_rules
 from .sentences import faults
-
-MAX_POINTS = 2**32 - 2  # what the core can number
-MAX_BODIES = 255
-MAX_STEPS = 1e9  # years
-MAX_OUTPUTS = 1e6
 
 
 class Scene(Model):
@@ -100,106 +94,9 @@ class Scene(Model):
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
         """Find every fault that lies between the tables, at once."""
-        for i, body in enumerate(self.body):
-            if body.material not in self.materials:
-                raise ValueError(
-                    f"body[{i}].material: {found(body.material)}, which is not among the materials"
-                )
-        rules = (
-            self._can_be_saved,
-            self._bodies_fit,
-            self._contact_has_two_sides,
-            self._bodies_have_points,
-            self._symmetry_planes_are_kept,
-            self._comes_to_an_end,
-        )
-        # Points that are too many cannot be looked at.
-        told = [*self._points_can_be_numbered()] or [fault for rule in rules for fault in rule()]
-        if told:
+        if told := broken_rules(self):
             raise ValueError(together(told))
         return self
-
-    def _can_be_saved(self) -> Iterator[str]:
-        try:
-            self.to_toml().encode()
-        except UnicodeEncodeError as error:
-            yield f"found {error.object[error.start]!r} in a text, expected Unicode"
-
-    def _points_can_be_numbered(self) -> Iterator[str]:
-        total = 0.0
-        for i, body in enumerate(self.body):
-            total += body.points_about
-            if not total <= MAX_POINTS:
-                key = f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m"
-                yield f"{key} makes {body.points_about:.3g} points, at most {MAX_POINTS} fit"
-                return
-
-    def _bodies_fit(self) -> Iterator[str]:
-        if len(self.body) > MAX_BODIES:
-            yield f"body: found {len(self.body)} bodies, at most {MAX_BODIES} are allowed"
-            return
-        names = [b.name for b in self.body]
-        for i, b in enumerate(self.body):
-            key = f"body[{i}] '{b.name}'"
-            if names.count(b.name) > 1:
-                yield f"{key}: two bodies have this name"
-            yield from self._outside(key, b)
-        for (i, a), (j, b) in itertools.combinations(enumerate(self.body), 2):
-            if overlap(a, b):
-                yield f"body[{j}] '{b.name}': overlaps body[{i}] '{a.name}'"
-
-    def _contact_has_two_sides(self) -> Iterator[str]:
-        if self.contact and not (self.projectiles and self.targets):
-            yield "contact: needs a body with projectile = true and one without"
-        if self.contact and 2 * self.grid.node_count > MAX_NODES:
-            nodes = 2 * self.grid.node_count
-            yield f"contact: doubles the nodes to {nodes:.3g}, at most {MAX_NODES} fit"
-
-    def _bodies_have_points(self) -> Iterator[str]:
-        for i, body in enumerate(self.body):
-            if body.count(self.grid.box) == 0:
-                yield f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m leaves it without points"
-
-    def _symmetry_planes_are_kept(self) -> Iterator[str]:
-        impact = self.impact
-        for mirror in self.mirrors:
-            face = FACES[2 * mirror.axis + mirror.above]
-            for i, body in enumerate(self.body):
-                if body.velocity and body.velocity[mirror.axis]:
-                    yield f"body[{i}] '{body.name}': its velocity moves it across the symmetry plane {face}: compute what lies behind it, too"
-            if self.projectiles and impact.velocity[mirror.axis]:
-                yield (
-                    f"impact.angle: {math.degrees(impact.angle):g} deg at an azimuth of {math.degrees(impact.azimuth):g} deg moves "
-                    f"the projectiles across the symmetry plane {face}: compute what lies behind it, too, or turn impact.azimuth"
-                )
-
-    def _comes_to_an_end(self) -> Iterator[str]:
-        for name, material in self.materials.items():
-            yield from _unlawful(name, material)
-        if not self.steps_about <= MAX_STEPS:
-            yield (
-                f"end_time: {self.end_time:g} s takes about {self.steps_about:.3g} steps with waves of {self.wave_speed:.3g} "
-                f"m/s in cells of {self.grid.cell:g} m, at most {MAX_STEPS:.0e} are allowed"
-            )
-        for key in ("snapshots", "history"):
-            if (interval := getattr(self.output, key)) < self.end_time / MAX_OUTPUTS:
-                least = f"at least end_time/{MAX_OUTPUTS:.0e} = {self.end_time / MAX_OUTPUTS:g} s is needed"
-                yield f"output.{key}: found {interval:g} s, {least}"
-
-    def _outside(self, key: str, body: Solid) -> Iterator[str]:
-        """Check that what a body's points fill lies in the grid, but for half a spacing of a `rounded` body, whose points themselves do; a
-        sphere may be cut by a symmetry plane through its centre."""
-        tolerance = 1e-9 * self.grid.cell
-        lower, upper = body.box
-        for face, kind in zip(FACES, self.boundary.faces, strict=True):
-            axis, is_upper = FACES.index(face) // 2, face.endswith("upper")
-            limit = self.grid.corner[axis] if is_upper else self.grid.lower[axis]
-            beyond = upper[axis] - limit if is_upper else limit - lower[axis]
-            if beyond <= tolerance + (body.spacing / 2 if body.rounded and kind != "symmetry" else 0.0):
-                continue
-            if kind == "symmetry" and body.is_halved_by(axis, limit, tolerance):
-                continue
-            yield f"{key}: reaches {in_metres(beyond)} outside the grid's face {face}"
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain tables, SI numbers: from_dict gives the same scene back."""
@@ -286,14 +183,6 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
         hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
     return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
-
-
-def _unlawful(name: str, material: Material) -> Iterator[str]:
-    """Say what the core's own check of each law's constants says."""
-    try:
-        material.to_core()
-    except ValueError as error:
-        yield f"materials.{name}: {error}"
 
 
 def _complete_materials(table: dict[str, Any]) -> list[str]:
