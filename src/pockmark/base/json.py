@@ -7,7 +7,10 @@ from typing import Any
 
 
 def finite(value: Any) -> Any:
-    """Return the value, with None for what is no number (nan, inf) anywhere in its tables and lists: JSON has no word for it."""
+    """Return the value with None for each float that is no number (nan, inf) in its tables and lists.
+
+    JSON has no word for such a float.
+    """
     if isinstance(value, Mapping):
         return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -16,5 +19,5 @@ def finite(value: Any) -> Any:
 
 
 def to_json(value: Any) -> str:
-    """Return JSON that every reader reads."""
+    """Return a value as JSON that every reader reads."""
     return json.dumps(finite(value), indent=2, allow_nan=False)

@@ -14,7 +14,7 @@ def measure(
     folder: RunDir,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with stable keys, SI.")] = False,
 ) -> None:
-    """Measure crater, energies and counters of a run; what each counter counts is said beside it (and in docs/output.md)."""
+    """Measure crater, energies and counters of a run. What a counter counts is said beside it (docs/output.md)."""
     result = measure_run(folder)
     if as_json:
         print(to_json(result))

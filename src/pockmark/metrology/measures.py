@@ -12,7 +12,7 @@ from .hole import measure_hole
 from .morphology import group_of
 from .surface import Filling, Surface
 
-# What a measure makes of absurd fields is no number then: null in the table, and a sentence, not a warning of NumPy's.
+# From absurd values a measure makes no number, which is null in the table. NumPy need not warn of it.
 UNWARNED = np.errstate(all="ignore")
 History = Mapping[str, NDArray[np.float64]]
 
@@ -25,7 +25,11 @@ def measures(
     counters: Mapping[str, int],
     history: History,
 ) -> dict[str, Any]:
-    """Return the tables crater, energy, run, counters, ejecta and, of a swarm, group, and the warnings of a state in a snapshot."""
+    """Return the tables of a state in a snapshot: crater, energy, run, counters, ejecta, warnings.
+
+    A swarm has a table `group`, too. `ledger`, `run` and `counters` are those of the same state, `history` the
+    columns up to it.
+    """
     filling = results.filling_of(snapshot, setup)
     surface = surface_of(filling)
     crater = results.crater_of(surface, setup.heading)
@@ -58,8 +62,10 @@ def surface_of(filling: Filling | None) -> Surface | None:
 
 
 def worst_error(history: History) -> tuple[float, float | None] | None:
-    """Return the largest ledger error of a history, as a share of the initial energy, and its time (s), None where no time is known;
-    None where there is no initial energy."""
+    """Return the largest ledger error of a history, as a share of the initial energy, and its time, s.
+
+    The time is None if the history has none. All is None if there is no initial energy.
+    """
     if not {"error", "initial"} <= history.keys():
         return None
     initial = history["initial"]
@@ -71,7 +77,10 @@ def worst_error(history: History) -> tuple[float, float | None] | None:
 
 
 def _late_change(history: History) -> float | None:
-    """Return the change of the depth in the last tenth of a history, where it has a time and a depth."""
+    """Return how much the depth changed in the last tenth of a history, as a share.
+
+    None if the history lacks the time or the depth.
+    """
     if not {"time", "depth"} <= history.keys():
         return None
     return results.depth_change(history["time"], history["depth"])

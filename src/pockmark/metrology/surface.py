@@ -1,7 +1,7 @@
 """The target's surface near the crater: a level set of the target's volume fraction.
 
-Linear tents as wide as the point spacing h carry each point's volume to nodes half a spacing apart; the surface is where
-the fraction is one half. Which points count, and why: docs/metrology.md.
+Linear tents as wide as the point spacing h spread each point's volume over nodes half a spacing apart. The surface
+lies where the fraction is one half. docs/metrology.md says which points count, and why.
 """
 
 from dataclasses import dataclass, replace
@@ -16,19 +16,21 @@ from ..base.geometry import Mirror, Setup
 from .pieces import attached, filling_of_cells, outside
 
 Array = NDArray[np.float64]
-SIGMA = 12**-0.5  # deviation of a surface that lies evenly within one point spacing, in spacings
-EDGE = 3  # coarse cells at the target's sides that no crater is looked for in: they move with the boundary
-MARGIN = np.array(
-    [4, 4, 3]
-)  # coarse cells kept around the open ones: room for the rim and for the bottom's fit
-RIM = np.array([0.15, 0.15, 0.0])  # of a wide crater's width: the same
+SIGMA = 12**-0.5  # spacings: standard deviation of what lies evenly within one spacing
+EDGE = 3  # coarse cells at the target's sides in which no crater is looked for: they move with the boundary
+# Room around the open cells for the rim and for the bottom's fit: in coarse cells, or as a share of a wide crater's width.
+MARGIN = np.array([4, 4, 3])
+RIM = np.array([0.15, 0.15, 0.0])
 REACH = 3  # nodes that a tent may reach beyond the box
 
 
 @dataclass(frozen=True)
 class OnNodes:
-    """A fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m; point spacing m; height of the wall's back, m, and
-    whether it stands on what is not computed. What lies behind a symmetry plane is there too."""
+    """A fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m, half a spacing apart.
+
+    `spacing` is that of the points, m, `back` the height of the wall's back, m. `is_backed` says that what lies
+    behind the back is not computed. What lies behind a symmetry plane is in the arrays, too.
+    """
 
     x: Array
     y: Array
@@ -38,23 +40,37 @@ class OnNodes:
     back: float = -np.inf
     is_backed: bool = False
 
+    @property
+    def node_distance(self) -> float:
+        """Return the distance between neighbouring nodes, m: half a point spacing."""
+        return self.spacing / 2
+
 
 class Surface(OnNodes):
-    """The solid fraction, 1/2 on the surface. Only what is open to the outside is not solid: closed voids are filled,
-    pieces that do not hang together with the target are gone."""
+    """The solid fraction of the target, 1/2 on its surface.
+
+    Only what is open to the outside is not solid: closed voids are filled. Pieces that do not hang together with the
+    target are gone.
+    """
 
     @property
     def within(self) -> slice:
-        """The nodes along z between the wall's faces, which themselves are on the level: from half a spacing above the back,
-        a whole one where it stands on something, to half a spacing below z = 0."""
+        """Return the nodes along z that lie between the wall's faces, which are on the level themselves.
+
+        They begin half a spacing above the back, or a whole one if the wall is backed, and end half a spacing below z
+        = 0.
+        """
         low = self.back + (1.0 if self.is_backed else 0.5) * self.spacing
         first, last = np.searchsorted(self.z, [low - 0.1 * self.spacing, -0.25 * self.spacing])
         return slice(int(first), int(last))
 
     @cached_property
     def holes(self) -> NDArray[np.int32]:
-        """For each node `within` the wall the number of the hole that it lies in, 0 for none. A hole is open to the top and
-        to what is below the wall; where that is not computed, it comes within a spacing of the back."""
+        """Return for each node `within` the wall the number of the hole in which it lies, 0 for none.
+
+        A hole is open to the top and to what is below the wall. If that is not computed, it is one that comes within
+        a spacing of the back.
+        """
         void, within = self.fraction <= 0.5, self.within
         below, _ = ndimage.label(void[:, :, within.start if self.is_backed else 0 : within.start + 1])
         is_out = np.isin(below[:, :, -1], np.setdiff1d(below[:, :, 0], 0))
@@ -65,7 +81,10 @@ class Surface(OnNodes):
         return np.where(np.isin(inside, through), inside, 0)
 
     def crossing(self, k: NDArray[np.int64]) -> Array:
-        """Return the height (nx, ny), m, of one half between the nodes k (nx, ny), which are solid, and those above."""
+        """Return the height (nx, ny), m, at which the fraction is one half.
+
+        It lies between the nodes k (nx, ny), which are solid, and the nodes above them.
+        """
         i, j = np.indices(k.shape)
         solid, void = self.fraction[i, j, k], self.fraction[i, j, np.minimum(k + 1, len(self.z) - 1)]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -73,8 +92,10 @@ class Surface(OnNodes):
         return np.asarray(self.z[k] + np.clip(part, 0.0, 1.0) * (self.z[1] - self.z[0]))
 
     def section(self, axis: int, at: float) -> list[Array]:
-        """Return the lines (n, 2), m, where the surface cuts the plane x (`axis` 0), y or z = `at`; the other axes in their order.
-        Empty where the plane lies outside."""
+        """Return the lines (n, 2), m, in which the surface cuts the plane where the coordinate of an axis is `at` (m).
+
+        Their columns are the two other axes, in order. The list is empty if the plane lies outside.
+        """
         nodes = (self.x, self.y, self.z)
         place = (at - nodes[axis][0]) / (nodes[axis][1] - nodes[axis][0])
         if not 0 <= place <= len(nodes[axis]) - 1:
@@ -84,21 +105,24 @@ class Surface(OnNodes):
         plane = near.take(0, axis=axis) * (below + 1 - place) + near.take(1, axis=axis) * (place - below)
         origin = np.array([nodes[a][0] for a in range(3) if a != axis])
         lines = find_contours(plane, 0.5)  # type: ignore[no-untyped-call]
-        return [origin + line * self.spacing / 2 for line in lines]
+        return [origin + line * self.node_distance for line in lines]
 
 
 class Filling(OnNodes):
     """The share of the space around each node that the target's points fill."""
 
     def surface(self, level: float = 0.5) -> Surface:
-        """Return the surface with `level` as the fraction that is taken as the surface."""
+        """Return the surface that lies where the fraction is `level`."""
         fraction = outside(self.fraction - level + 0.5)
         return Surface(self.x, self.y, self.z, fraction, self.spacing, self.back, self.is_backed)
 
 
 @dataclass(frozen=True)
 class _Target:
-    """The target's points: position (n, 3) m, volume (n,) m^3; their setup; where a node lies, m."""
+    """The target's points, position (n, 3) m and volume (n,) m^3, with their setup.
+
+    `origin` (3,) is a place of a node, m.
+    """
 
     position: Array
     volume: Array
@@ -112,11 +136,11 @@ class _Target:
 
 
 def target_filling(position: Array, volume: Array, setup: Setup) -> Filling | None:
-    """Return the filling near the crater of the target's points: position (n, 3) m, volume (n,) m^3.
+    """Return the filling near the crater of the target's points; None if nothing below z = 0 is open.
 
-    The original surface is z = 0. The spacing is that of the setup's wall, or of the setup where it has none. What lies
-    behind a mirror is added. Points that have left the sides of the wall do not count. Returns None where nothing below
-    z = 0 is open.
+    `position` is (n, 3) m, `volume` (n,) m^3. The original surface is z = 0. The points' spacing is that of the
+    setup's wall, or of the setup if it has none. What lies behind a mirror is added. Points that have left the sides
+    of the wall do not count.
     """
     origin = np.zeros(3)
     for mirror in reversed(setup.mirrors):
@@ -149,7 +173,7 @@ def _filling_in(target: _Target, lower: Array, upper: Array) -> Filling:
     """
     position, volume, spacing, origin = target.position, target.volume, target.spacing, target.origin
     lower, upper = lower.copy(), upper.copy()
-    upper[2] = np.inf  # the rim
+    upper[2] = np.inf  # for the rim
     near = np.all((position > lower - spacing) & (position < upper + spacing), axis=1)
     position, volume = position[near], volume[near]
     for mirror in target.setup.mirrors:
@@ -169,21 +193,21 @@ def _filling_in(target: _Target, lower: Array, upper: Array) -> Filling:
 
 
 def with_images(position: Array, values: Array, mirror: Mirror) -> tuple[Array, Array]:
-    """Return the points and their mirror images."""
+    """Return points, positions (n, 2 or 3) and values (n, ...), followed by their mirror images."""
     return with_image(position, mirror), np.concatenate([values, values])
 
 
 def with_image(position: Array, mirror: Mirror) -> Array:
-    """Return places (n, 2 or 3) and their mirror images."""
+    """Return places (n, 2 or 3), m, followed by their mirror images."""
     image = position.copy()
     image[:, mirror.axis] = 2 * mirror.at - image[:, mirror.axis]
     return np.concatenate([position, image])
 
 
 def _neighbourhood(target: _Target) -> tuple[Array, Array] | None:
-    """Return the lower and upper corner, m, of a box around what is open below z = 0; None where nothing is.
+    """Return the corners, m, of a box around what is open below z = 0; None if nothing is.
 
-    The coarse cells less than half full that hang together with the open ones just below z = 0 are open. Points that have
+    Coarse cells less than half full are open if they are connected to such a cell just below z = 0. Points that have
     left the wall sideways or through its back do not count.
     """
     position, volume, spacing, origin = target.position, target.volume, target.spacing, target.origin
@@ -223,9 +247,10 @@ def _neighbourhood(target: _Target) -> tuple[Array, Array] | None:
 def _volume_fraction(
     position: Array, share: Array, first: NDArray[np.int64], last: NDArray[np.int64]
 ) -> Array:
-    """Return the volume fraction at the nodes first .. last, half a spacing apart; position and share in spacings.
+    """Return the volume fraction at the nodes first .. last, half a spacing apart.
 
-    A tent of one spacing is the sum of three of half a spacing, weighted 1/2, 1, 1/2: eight nodes a point are enough.
+    `position` (n, 3) is in spacings, `share` (n,) in cubes of a spacing. A tent of one spacing is the sum of three of
+    half a spacing, weighted 1/2, 1, 1/2: so eight nodes a point are enough.
     """
     local = 2 * position - (first - REACH)
     base = np.floor(local).astype(np.int64)

@@ -1,4 +1,4 @@
-"""What must hold between the tables of a scene: each broken rule in a sentence."""
+"""The rules that must hold between the tables of a scene."""
 
 import itertools
 import math
@@ -16,12 +16,15 @@ if TYPE_CHECKING:
 
 MAX_POINTS = 2**32 - 2  # what the core can number
 MAX_BODIES = 255
-MAX_STEPS = 1e9  # years
+MAX_STEPS = 1e9  # they would take years
 MAX_OUTPUTS = 1e6
 
 
 def broken_rules(scene: "Scene") -> list[str]:
-    """Return a sentence for each rule that a scene breaks; of one that asks for too many points, that alone."""
+    """Return a sentence for each rule that a scene breaks.
+
+    If it asks for too many points, that is the only sentence, for such points cannot be looked at.
+    """
     for i, body in enumerate(scene.body):
         if body.material not in scene.materials:
             return [f"body[{i}].material: {found(body.material)}, which is not among the materials"]
@@ -38,6 +41,7 @@ def broken_rules(scene: "Scene") -> list[str]:
 
 
 def _can_be_saved(scene: "Scene") -> Iterator[str]:
+    """Say which character of a text cannot be written to a file."""
     try:
         scene.to_toml().encode()
     except UnicodeEncodeError as error:
@@ -45,6 +49,7 @@ def _can_be_saved(scene: "Scene") -> Iterator[str]:
 
 
 def _points_can_be_numbered(scene: "Scene") -> Iterator[str]:
+    """Say which body's points are too many for the core."""
     total = 0.0
     for i, body in enumerate(scene.body):
         total += body.points_about
@@ -55,6 +60,7 @@ def _points_can_be_numbered(scene: "Scene") -> Iterator[str]:
 
 
 def _bodies_fit(scene: "Scene") -> Iterator[str]:
+    """Say which bodies are too many, share a name, lie outside the grid, or overlap."""
     if len(scene.body) > MAX_BODIES:
         yield f"body: found {len(scene.body)} bodies, at most {MAX_BODIES} are allowed"
         return
@@ -70,6 +76,7 @@ def _bodies_fit(scene: "Scene") -> Iterator[str]:
 
 
 def _contact_has_two_sides(scene: "Scene") -> Iterator[str]:
+    """Say why contact is impossible."""
     if scene.contact and not (scene.projectiles and scene.targets):
         yield "contact: needs a body with projectile = true and one without"
     if scene.contact and 2 * scene.grid.node_count > MAX_NODES:
@@ -78,12 +85,14 @@ def _contact_has_two_sides(scene: "Scene") -> Iterator[str]:
 
 
 def _bodies_have_points(scene: "Scene") -> Iterator[str]:
+    """Say which bodies have no points in the grid."""
     for i, body in enumerate(scene.body):
         if body.count(scene.grid.box) == 0:
             yield f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m leaves it without points"
 
 
 def _symmetry_planes_are_kept(scene: "Scene") -> Iterator[str]:
+    """Say what moves across a symmetry plane."""
     impact = scene.impact
     for mirror in scene.mirrors:
         face = FACES[2 * mirror.axis + mirror.above]
@@ -98,6 +107,7 @@ def _symmetry_planes_are_kept(scene: "Scene") -> Iterator[str]:
 
 
 def _comes_to_an_end(scene: "Scene") -> Iterator[str]:
+    """Say which law has impossible constants, and why a run would never end or write too often."""
     for name, material in scene.materials.items():
         yield from _unlawful(name, material)
     if not scene.steps_about <= MAX_STEPS:
@@ -112,8 +122,11 @@ def _comes_to_an_end(scene: "Scene") -> Iterator[str]:
 
 
 def _outside(scene: "Scene", key: str, body: Solid) -> Iterator[str]:
-    """Check that what a body's points fill lies in the grid, but for half a spacing of a `rounded` body, whose points themselves do; a
-    sphere may be cut by a symmetry plane through its centre."""
+    """Say where the space that a body's points fill lies outside the grid.
+
+    A `rounded` body may reach half a spacing beyond, for its points themselves do not. A sphere or a cylinder may be
+    cut by a symmetry plane through its centre.
+    """
     tolerance = 1e-9 * scene.grid.cell
     lower, upper = body.box
     for face, kind in zip(FACES, scene.boundary.faces, strict=True):
@@ -128,7 +141,7 @@ def _outside(scene: "Scene", key: str, body: Solid) -> Iterator[str]:
 
 
 def _unlawful(name: str, material: Material) -> Iterator[str]:
-    """Say what the core's own check of each law's constants says."""
+    """Say what the core's own check says of a material's constants."""
     try:
         material.to_core()
     except ValueError as error:

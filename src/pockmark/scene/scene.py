@@ -1,4 +1,4 @@
-"""The scene: everything a user decides about a run, SI inside. The defaults of pockmark live here."""
+"""The scene: everything that a user decides about a run, SI inside. The defaults of pockmark are here."""
 
 import hashlib
 import json
@@ -27,7 +27,10 @@ from .sentences import faults
 
 
 class Scene(Model):
-    """One run, complete: a scene saved and loaded again is the same object and gives the same run."""
+    """A complete scene.
+
+    One that is saved and loaded again is the same object, and gives the same run.
+    """
 
     title: str = ""
     end_time: Annotated[float, quantity("s", 1e-18, 1e4)]
@@ -35,23 +38,25 @@ class Scene(Model):
     boundary: Boundary = Boundary()
     impact: Impact
     materials: dict[str, Material]
-    body: Annotated[
-        tuple[Body, ...], Field(min_length=1)
-    ]  # after the materials, whose density a swarm's flux needs
+    # After the materials, for a swarm's flux needs their density.
+    body: Annotated[tuple[Body, ...], Field(min_length=1)]
     contact: Contact | None = None
     numerics: Numerics = Numerics()
     output: Output = Output()
 
     @classmethod
     def load(cls, path: AnyPath, overrides: str | Sequence[str] = ()) -> "Scene":
-        """Read a TOML scene; `overrides` are texts "key.key=value", or one such. Raises PockmarkError."""
+        """Return the scene of a TOML file. Raises PockmarkError.
+
+        `overrides` are texts "key.key=value", or one such text.
+        """
         return cls.from_dict(read_toml(path), source=str(path), overrides=overrides)
 
     @classmethod
     def from_dict(
         cls, table: Mapping[str, Any], *, source: str = "scene", overrides: str | Sequence[str] = ()
     ) -> "Scene":
-        """Build a scene from a table as TOML gives it. Raises PockmarkError naming `source` and the key."""
+        """Return the scene of a table as TOML gives it. Raises PockmarkError naming `source` and the key."""
         merged, told = _plain(table, source), []
         for text in [overrides] if isinstance(overrides, str) else overrides:
             try:
@@ -62,7 +67,7 @@ class Scene(Model):
         try:
             scene = cls.model_validate(merged)
         except ValidationError as error:
-            # Without its materials a scene's tables cannot be held against each other.
+            # Without its materials no rule between a scene's tables can be judged.
             told += faults([fault for fault in error.errors() if fault["loc"] or not told], cls)
         if told:
             raise PockmarkError(f"{source}: {together(told)}")
@@ -78,7 +83,7 @@ class Scene(Model):
     @field_validator("body")
     @classmethod
     def _are_resolved(cls, bodies: tuple[Body, ...], known: ValidationInfo) -> tuple[Body, ...]:
-        materials = known.data.get("materials", {})  # none if they are faulty themselves
+        materials = known.data.get("materials", {})  # empty if they are faulty themselves
         out: list[Body] = []
         told = []
         for body in bodies:
@@ -93,17 +98,17 @@ class Scene(Model):
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
-        """Find every fault that lies between the tables, at once."""
+        """Return the scene. Raises ValueError with every rule between its tables that it breaks."""
         if told := broken_rules(self):
             raise ValueError(together(told))
         return self
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain tables, SI numbers: from_dict gives the same scene back."""
+        """Return the scene as plain tables, SI numbers. from_dict() makes the same scene of them."""
         return self.model_dump(mode="json", exclude_none=True)
 
     def to_toml(self) -> str:
-        """Return the scene as TOML with every default written out, SI numbers."""
+        """Return the scene as TOML, SI numbers, with every default written out."""
         return to_toml(self.to_dict())
 
     def save(self, path: AnyPath) -> None:
@@ -114,44 +119,50 @@ class Scene(Model):
 
     @property
     def hash(self) -> str:
-        """Identifies what is computed: the same for scenes that are equal but for their titles."""
+        """Return what identifies the run that is computed.
+
+        It is the same for scenes that are equal but for title and checkpoints.
+        """
         return hash_of(self.to_dict())
 
     @property
     def course(self) -> str:
-        """Identifies what is computed until the end, whenever that is."""
+        """Return what identifies all that is computed until the end, whenever that is."""
         return hash_of(self.to_dict() | {"end_time": None})
 
     @property
     def projectiles(self) -> tuple[int, ...]:
-        """Indices of the projectile bodies."""
+        """Return the indices of the projectiles."""
         return tuple(i for i, b in enumerate(self.body) if b.projectile)
 
     @property
     def targets(self) -> tuple[int, ...]:
-        """Indices of the other bodies."""
+        """Return the indices of the other bodies."""
         return tuple(i for i, b in enumerate(self.body) if not b.projectile)
 
     def velocity(self, body: Body) -> tuple[float, float, float]:
-        """Return how a body moves at the start, m/s: a projectile with the impact, another as it says itself."""
+        """Return the velocity of a body at the start, m/s.
+
+        That of a projectile is the impact's; another body has its own, or none.
+        """
         return self.impact.velocity if body.projectile else body.velocity or (0.0, 0.0, 0.0)
 
     @property
     def wave_speed(self) -> float:
-        """The fastest sound at rest, and the speed of the fastest body, m/s."""
+        """Return the speed of the fastest sound at rest plus that of the fastest body, m/s."""
         own = [math.hypot(*body.velocity) for body in self.body if body.velocity]
         sound = max(material.dilatational_speed for material in self.materials.values())
         return sound + max([self.impact.speed, *own])
 
     @property
     def steps_about(self) -> float:
-        """About how many steps a run takes; infinite for absurd materials."""
-        # Shocked material is faster and strain limits some steps: 1.35 is what model 1 needed.
+        """Return about how many steps a run takes; infinite for absurd materials."""
+        # Waves are faster in shocked material, and `strain_limit` shortens some steps: model 1 needed the factor 1.35.
         return 1.35 * self.end_time / self.numerics.cfl / self.grid.cell * self.wave_speed
 
     @property
     def mirrors(self) -> tuple[Mirror, ...]:
-        """The symmetry planes across the surface; what lies behind them is not computed."""
+        """Return the symmetry planes across the surface. What lies behind them is not computed."""
         return tuple(
             Mirror(i // 2, at=(self.grid.lower, self.grid.corner)[i % 2][i // 2], above=bool(i % 2))
             for i, kind in enumerate(self.boundary.faces[:4])
@@ -160,7 +171,10 @@ class Scene(Model):
 
 
 def _plain(table: Mapping[str, Any], source: str) -> dict[str, Any]:
-    """Return a table of plain values: NumPy's numbers are numbers, and its arrays lists of them. Raises PockmarkError."""
+    """Return a table with plain values: NumPy's numbers as numbers, its arrays as lists of them.
+
+    Raises PockmarkError for what is no table, or is a table without an end.
+    """
 
     def plain(value: Any) -> Any:
         if isinstance(value, Mapping):
@@ -178,7 +192,10 @@ def _plain(table: Mapping[str, Any], source: str) -> dict[str, Any]:
 
 
 def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
-    """Return what identifies a scene's table, 16 hexadecimal digits; the title is a part of it only if `titled`."""
+    """Return the hash of a scene's table, 16 hexadecimal digits.
+
+    The title is a part of it only if `titled`. The interval of the checkpoints never is.
+    """
     hashed = {key: value for key, value in table.items() if titled or key != "title"}
     if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
         hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
@@ -186,8 +203,10 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
 
 
 def _complete_materials(table: dict[str, Any]) -> list[str]:
-    """Put complete tables of the materials that the bodies name, and of those written, into a scene's table; what is no table
-    or list stays, to be told by its model. Returns what else is wrong with them."""
+    """Put into a scene's table the complete tables of the materials that it writes, or that its bodies name.
+
+    What is no table or list stays: its model tells that. Returns what else is wrong, in sentences.
+    """
     written, bodies = table.get("materials", {}), table.get("body")
     if not isinstance(written, Mapping):
         return []
