@@ -30,8 +30,8 @@ def disagreeing(material, s):
 def after_a_step(material, driver):
     """Return a cube of points, expanded and partly vapour, after a step in which each closes or opens by up to a third."""
     rng = np.random.default_rng(7)
-    points = lattice((4 * H, 4 * H, 4 * H), (SIDE, SIDE, SIDE), H / 2)
-    n, eta = len(points), rng.uniform(0.3, 1.0, SIDE**3)
+    position = lattice((4 * H, 4 * H, 4 * H), (SIDE, SIDE, SIDE), H / 2)
+    n, eta = len(position), rng.uniform(0.3, 1.0, SIDE**3)
     s = solver(
         (0, 0, 0),
         H,
@@ -39,7 +39,7 @@ def after_a_step(material, driver):
         [FREE] * 6,
         [material.to_core()],
         options("usl", cfl=1.0, strain_limit=1.0),
-        [(points, rng.uniform(-20e3, 20e3, (n, 3)), (H / 2) ** 3, material.density, 0)],
+        [(position, rng.uniform(-20e3, 20e3, (n, 3)), (H / 2) ** 3, material.density, 0)],
         driver=driver,
     )
     energy = material.density * rng.uniform(1e6, 15e6, n)  # about E_iv to E_cv

@@ -14,8 +14,8 @@ HALF = (Mirror(1, 0.0, above=False),)
 
 def lattice(x, y, z, keep=lambda p: p[:, 0] < np.inf):
     axes = [np.arange(a + 1, b, 2.0) * 1e-6 for a, b in (x, y, z)]
-    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    return points[keep(points)]
+    position = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return position[keep(position)]
 
 
 def snapshot(*parts):
