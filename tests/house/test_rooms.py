@@ -97,7 +97,7 @@ def test_a_crater_is_measured_without_the_core():
 
 def test_the_tests_that_the_documents_name_are_there():
     for document in [*(ROOT / "docs").glob("*.md"), *ROOT.glob("*.md")]:
-        for path, test in re.findall(r"`(?:tests/)?(\w+/test_\w+\.py)(?:::(\w+))?", document.read_text()):
+        for path, test in re.findall(r"`(?:tests/)?((?:\w+/)+test_\w+\.py)(?:::(\w+))?", document.read_text()):
             assert (ROOT / "tests" / path).exists(), f"{document.name}: {path}"
             assert f"def {test}" in (ROOT / "tests" / path).read_text(), f"{document.name}: {path}::{test}"
 
