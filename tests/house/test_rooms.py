@@ -102,6 +102,14 @@ def test_the_tests_that_the_documents_name_are_there():
             assert f"def {test}" in (ROOT / "tests" / path).read_text(), f"{document.name}: {path}::{test}"
 
 
+def test_an_addition_costs_the_lines_that_are_told():
+    found = re.findall(r"`([\w/]+\.\w+)`, (\d+)", (ROOT / "docs" / "contributing.md").read_text())
+    assert len(found) >= 10
+    for path, lines in found:
+        now = (ROOT / path).read_text().count("\n")
+        assert abs(now - int(lines)) <= 0.1 * now, f"{path} has {now} lines, docs/contributing.md says {lines}"
+
+
 def test_what_is_public_is_there():
     assert all(getattr(pockmark, name) is not None for name in pockmark.__all__)
     for room in PACKAGE.glob("*/__init__.py"):
