@@ -1,4 +1,4 @@
-"""pockmark: craters of micron-sized particles at kilometres per second, by the material point method."""
+"""Craters of micron-sized particles at kilometres per second, by the material point method."""
 
 from importlib import import_module
 from importlib.metadata import version
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .scene.scene import Scene
 
 __version__ = version("pockmark")
-# How many entries CHANGELOG.md has under "Physics": a run of another number may have other figures.
+# The number of entries under "Physics" in CHANGELOG.md. A run of another number may have other figures.
 PHYSICS = 27
 
 __all__ = [
@@ -37,7 +37,10 @@ _HOMES = {
 
 
 def __getattr__(name: str) -> Any:
-    """Import a name when it is first asked for: the command line wants to hear Ctrl-C before a second of imports."""
+    """Import a public name when it is first asked for.
+
+    The command line has to hear Ctrl-C before a second of imports.
+    """
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, attribute = _HOMES[name]

@@ -1,4 +1,4 @@
-"""python -m pockmark, and the command pockmark."""
+"""The command `pockmark`, and `python -m pockmark`."""
 
 import signal
 

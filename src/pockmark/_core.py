@@ -1,7 +1,7 @@
 """The compiled core for this processor: AVX-512, AVX2 or scalar.
 
-POCKMARK_ISA=avx512|avx2|scalar forces one. POCKMARK_DRIVER=plain takes the plain driver instead of the CPU's: slow, and what
-the other is held against.
+POCKMARK_ISA=avx512|avx2|scalar forces one. POCKMARK_DRIVER=plain takes the plain driver instead of the CPU's. The
+plain driver is slow; the CPU's is tested against it.
 """
 
 import importlib
@@ -10,8 +10,8 @@ import sys
 from typing import Any
 
 # A thread that waits for the others looks again for some microseconds and then sleeps. Spinning for longer, as OpenMP does
-# unless told, takes the core from the thread that is waited for wherever something else runs too: ten times slower on a
-# busy machine. Read when the library is loaded; GOMP_SPINCOUNT is GCC's.
+# unless told, takes the processor from the thread that is waited for: ten times slower on a busy machine. OpenMP reads the
+# variables when it is loaded. GOMP_SPINCOUNT is that of GCC's library.
 if "OMP_WAIT_POLICY" not in os.environ:
     os.environ["OMP_WAIT_POLICY"] = "passive"
     os.environ.setdefault("GOMP_SPINCOUNT", "1000")
@@ -22,7 +22,7 @@ _supported = _core_scalar.supported_isas()
 
 
 def _choose(variable: str, allowed: list[str]) -> str:
-    """Return what a variable of the environment says, the first of those allowed where it says nothing."""
+    """Return what a variable of the environment says; the first of those allowed where it is not set."""
     forced = os.environ.get(variable, "")
     if forced and forced not in allowed:
         print(
@@ -39,6 +39,6 @@ globals().update(vars(_module))
 
 
 def solver(*, single: bool, driver: str = DRIVER) -> Any:
-    """Return the class of the solvers of a precision and a driver, "cpu" or "plain"."""
+    """Return the class of solvers of a precision and a driver, "cpu" or "plain"."""
     name = ("PlainSolver" if driver == "plain" else "Solver") + ("Single" if single else "")
     return getattr(_module, name)

@@ -61,22 +61,22 @@ import os, signal
 from pockmark.run import simulation
 from pockmark.cli import ending as cli
 from pockmark.__main__ import main
-def pressing(name):
+def interrupting(name):
     function = getattr(cli, name)
-    def press(*args, **kwargs):
+    def interrupt(*args, **kwargs):
         os.kill(os.getpid(), signal.SIGINT)
         return function(*args, **kwargs)
-    setattr(cli, name, press)
-pressing("measure_run")
-pressing("plot_run")
+    setattr(cli, name, interrupt)
+interrupting("measure_run")
+interrupting("plot_run")
 run = simulation.Simulation.run
-def press(self, tasks, watch, **more):
-    def watch_and_press(simulation):
+def interrupt(self, tasks, watch, **more):
+    def watch_and_interrupt(simulation):
         if simulation.steps > 4:
             os.kill(os.getpid(), signal.SIGINT)
         watch(simulation)
-    run(self, tasks, watch=watch_and_press, **more)
-simulation.Simulation.run = press
+    run(self, tasks, watch=watch_and_interrupt, **more)
+simulation.Simulation.run = interrupt
 main()
 """
 
@@ -95,10 +95,10 @@ import os, signal
 from pockmark.run import pipeline as run
 from pockmark.__main__ import main
 made = run.Simulation
-def press(*args):
+def interrupt(*args):
     os.kill(os.getpid(), signal.SIGINT)
     return made(*args)
-run.Simulation = press
+run.Simulation = interrupt
 main()
 """
 

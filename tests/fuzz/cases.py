@@ -12,10 +12,12 @@ from judge import Verdict, absurd, answer, command, faults_of_command, faults_of
 from physics import impossible_history, impossible_points, impossible_result
 
 from pockmark import Scene
+from pockmark.base.json import to_json
 from pockmark.run.measured import measure_run
 from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
-from pockmark.run.store import RunFolder, Snapshot, to_json
+from pockmark.run.snapshot import Snapshot
+from pockmark.run.store import RunFolder
 from pockmark.scene.forecast import forecast
 from pockmark.study import campaign
 from pockmark.view.report import report

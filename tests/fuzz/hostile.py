@@ -66,8 +66,8 @@ CAMPAIGN: dict[str, Any] = {
 
 # 2.5 million runs: more than anybody has the time for.
 MANY_RUNS = {
-    key: [i * step for i in range(1, 51)]
-    for key, step in (
+    key: [i * part for i in range(1, 51)]
+    for key, part in (
         ("end_time", 1e-9),
         ("numerics.cfl", 0.02),
         ("impact.speed", 100.0),

@@ -27,7 +27,7 @@ def impact(seed: int) -> Table:
     while True:  # coarser until it fits
         scene = _scene(rng, names, diameter, cell)
         scene |= {"impact": {"speed": speed, "angle": f"{angle} deg"}, "materials": materials}
-        if points(scene) <= POINTS:
+        if points_about(scene) <= POINTS:
             break
         cell *= 1.2
     if angle:  # an oblique impact breaks the symmetry about a plane x
@@ -40,14 +40,14 @@ def impact(seed: int) -> Table:
     if rng.random() < 0.4:
         scene["contact"] = {"friction": rng.choice((0.0, 0.1, 1.0))}
     fastest = speed + 8e3
-    steps = min(POINT_STEPS / points(scene), 600)
+    steps = min(POINT_STEPS / points_about(scene), 600)
     end = min(rng.uniform(1, 10) * diameter / speed, steps * numerics["cfl"] * cell / fastest / 1.35)
     scene["end_time"] = end
     scene["output"] = {"snapshots": end / 2, "history": end / 40}
     return scene
 
 
-def points(scene: Table) -> float:
+def points_about(scene: Table) -> float:
     """Return about how many points the scene has."""
     return sum(_volume(body) / body["spacing"] ** 3 for body in scene["body"])
 

@@ -35,15 +35,18 @@ def imported():
 
 
 def below(room, arrows):
-    """Return the rooms that arrows lead to from a room."""
-    out = {b for a, b in arrows if a == room}
-    return out.union(*(below(b, arrows) for b in out)) if out else out
+    """Return the rooms that arrows lead to from a room: that room, too, if they lead round."""
+    found = set()
+    while more := {b for a, b in arrows if a in {room, *found}} - found:
+        found |= more
+    return found
 
 
 def test_the_rooms_are_as_they_are_drawn():
     arrows, found = drawn(), imported()
     rooms = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
     assert {room for pair in arrows for room in pair} == rooms
+    assert not [room for room in rooms if room in below(room, arrows)], "the arrows lead round"
     for (room, other), file in found.items():
         assert other in below(room, arrows), f"{room}/{file} imports {other}, to which no arrow leads"
         assert room not in below(other, arrows), f"{room} and {other} import each other"
@@ -97,9 +100,21 @@ def test_a_crater_is_measured_without_the_core():
 
 def test_the_tests_that_the_documents_name_are_there():
     for document in [*(ROOT / "docs").glob("*.md"), *ROOT.glob("*.md")]:
-        for path, test in re.findall(r"`(?:tests/)?(\w+/test_\w+\.py)(?:::(\w+))?", document.read_text()):
+        for path, test in re.findall(
+            r"`(?:tests/)?((?:\w+/)+test_\w+\.py)(?:::(\w+))?", document.read_text()
+        ):
             assert (ROOT / "tests" / path).exists(), f"{document.name}: {path}"
             assert f"def {test}" in (ROOT / "tests" / path).read_text(), f"{document.name}: {path}::{test}"
+
+
+def test_an_addition_costs_the_lines_that_are_told():
+    found = re.findall(r"`([\w/]+\.\w+)`, (\d+)", (ROOT / "docs" / "contributing.md").read_text())
+    assert len(found) >= 10
+    for path, lines in found:
+        now = (ROOT / path).read_text().count("\n")
+        assert abs(now - int(lines)) <= 0.1 * now, (
+            f"{path} has {now} lines, docs/contributing.md says {lines}"
+        )
 
 
 def test_what_is_public_is_there():

@@ -34,7 +34,7 @@ TOLERANCE = 1e-10
 
 
 def mie_gruneisen(mu, energy):
-    """Pressure; mu may be complex (for a complex-step derivative)."""
+    """Pressure; mu may be complex (for a derivative by an imaginary increment)."""
     if np.real(mu) < 0:
         return RHO * C0**2 * mu * (1 - GAMMA0 * mu / 2) + GAMMA0 * (1 + mu) * energy
     eta = 1 - 1 / (1 + mu)  # = up/Us
@@ -97,8 +97,8 @@ def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D):
     one = np.eye(3)
     # First half of the work, by the old stress.
     energy = energy + 0.5 * DT * np.sum((s - (pressure + viscosity) * one) * rate) * volume / V0_
-    strain = np.trace(rate) * DT
-    volume = volume * (1 + strain / 2) / (1 - strain / 2)
+    opened = np.trace(rate) * DT
+    volume = volume * (1 + opened / 2) / (1 - opened / 2)
 
     increment, flow = 0.0, 0.0
     if damage >= 1:
@@ -130,13 +130,13 @@ def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D):
     mu = 1 / ratio - 1
     c2 = max(isentropic_c2(eos, mu, energy, pressure), 0)
     viscosity = 0.0
-    if strain < 0:
-        D_ = -strain / DT
+    if opened < 0:
+        D_ = -opened / DT
         viscosity = RHO / ratio * CELL * (Q2 * CELL * D_**2 + Q1 * np.sqrt(c2) * D_)
     # Second half, by the new stress: p = eos(mu, E1) with E1 that holds p itself.
-    work = lambda p: 0.5 * ratio * (DT * np.sum(s * rate) - (p + viscosity) * strain)  # noqa: E731
+    work = lambda p: 0.5 * ratio * (DT * np.sum(s * rate) - (p + viscosity) * opened)  # noqa: E731
     slope = (eos(mu, 1e10) - eos(mu, 0.0)) / 1e10  # linear in E
-    p = (eos(mu, 0.0) + slope * (energy + work(0.0))) / (1 + slope * 0.5 * ratio * strain)
+    p = (eos(mu, 0.0) + slope * (energy + work(0.0))) / (1 + slope * 0.5 * ratio * opened)
     assert eos(mu, energy + work(p)) == pytest.approx(p, rel=1e-10, abs=1e-3)
     if damage >= 1:
         p = max(p, 0.0)
@@ -420,22 +420,22 @@ def test_the_return_ends_on_the_yield_surface(changed, lanes):
     """From a hair above yield to a thousand times it, across the kink at the reference rate, hot and molten."""
     n, jc = 20000, {**JC, **changed}
     rng = np.random.default_rng(7)
-    strain = np.where(rng.random(n) < 0.3, 0, 10 ** rng.uniform(-13, 0.3, n))
+    plastic = np.where(rng.random(n) < 0.3, 0, 10 ** rng.uniform(-13, 0.3, n))
     hot = rng.choice([T_ROOM, 500.0, 774.0, 800.0], n)
-    still = np.array([flow_stress(e, 0.0, t, jc) for e, t in zip(strain, hot, strict=True)])
+    still = np.array([flow_stress(e, 0.0, t, jc) for e, t in zip(plastic, hot, strict=True)])
     excess = 10 ** rng.uniform(-10, 3, n)
     trial = np.where(still > 0, still * (1 + excess), 1e8 * excess)
     states = np.zeros((n, 13))
-    states[:, 0], states[:, 4], states[:, 5], states[:, 10] = V0, strain, hot, trial / np.sqrt(3)
+    states[:, 0], states[:, 4], states[:, 5], states[:, 10] = V0, plastic, hot, trial / np.sqrt(3)
     material = build(GRUNEISEN, johnson_cook(**changed), NONE)
     got = core.update_stress(material, states, np.zeros((n, 9)), RHO * V0, CELL, DT, lanes)
     flow = np.sqrt(3) * got[:, 10]
     # The increment, by whichever of the two differences loses less to rounding.
-    by_stress, by_strain = np.maximum((trial - flow) / (3 * G), 0), got[:, 4] - strain
-    increment = np.where(strain < trial / (3 * G), by_strain, by_stress)
-    want = [flow_stress(e + d, d / DT, t, jc) for e, d, t in zip(strain, increment, hot, strict=True)]
+    by_stress, by_strain = np.maximum((trial - flow) / (3 * G), 0), got[:, 4] - plastic
+    increment = np.where(plastic < trial / (3 * G), by_strain, by_stress)
+    want = [flow_stress(e + d, d / DT, t, jc) for e, d, t in zip(plastic, increment, hot, strict=True)]
     # What rounding leaves of the increment moves the logarithm of the rate, above the kink.
-    lost = 8 * np.finfo(float).eps * np.minimum(strain, trial / (3 * G))
+    lost = 8 * np.finfo(float).eps * np.minimum(plastic, trial / (3 * G))
     unsure = jc["C"] * np.array(want) * lost / np.maximum(increment, DT)
     worst = (np.abs(flow - want) - unsure) / trial
     slow = (increment > 0) & (increment < DT)

@@ -62,12 +62,12 @@ def quiet(material):
     return material.viscosity.model_copy(update={"quadratic": 0.0, "linear": 0.0})
 
 
-def differences(f, x, column, step):
+def differences(f, x, column, change):
     """The central difference of f at rows x by a column, and whether both of its sides agree: no kink lies between."""
     ahead, behind = x.copy(), x.copy()
-    ahead[:, column] += step
-    behind[:, column] -= step
+    ahead[:, column] += change
+    behind[:, column] -= change
     up, here, down = f(ahead), f(x), f(behind)
-    right, left = (up - here) / step, (here - down) / step
-    smooth = np.abs(right - left) <= 1e-3 * (np.abs(right) + np.abs(left)) + 1e-9 * np.abs(here) / step
-    return (up - down) / (2 * step), smooth
+    right, left = (up - here) / change, (here - down) / change
+    smooth = np.abs(right - left) <= 1e-3 * (np.abs(right) + np.abs(left)) + 1e-9 * np.abs(here) / change
+    return (up - down) / (2 * change), smooth

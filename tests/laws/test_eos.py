@@ -30,14 +30,12 @@ def test_the_slopes_are_those_of_the_pressure(material):
     made, rows = material.to_core(), rows_of(material)
     p, by_mu, by_energy, capped = made.eos_at(rows).T[:4]
     assert np.isfinite([p, by_mu, by_energy]).all()
-    for column, slope, step in ((0, by_mu, 1e-6), (1, by_energy, 1e-6 * material.bulk_modulus)):
-        got, smooth = differences(pressure(made), rows, column, step)
+    for column, slope, change in ((0, by_mu, 1e-6), (1, by_energy, 1e-6 * material.bulk_modulus)):
+        got, smooth = differences(pressure(made), rows, column, change)
         held = smooth & (capped == 0)
         scale = np.abs(slope) + (material.bulk_modulus if column == 0 else 0.1)
         worst = (np.abs(got - slope) / scale)[held].max()
-        print(
-            f"column {column}: slopes off by {worst:.1e}, {len(rows) - held.sum()} points at a kink or a cap"
-        )
+        print(f"column {column}: slopes off by {worst:.1e}, {len(rows) - held.sum()} rows at a kink or a cap")
         assert worst < 1e-5
         assert held.mean() > 0.9
 

@@ -35,9 +35,9 @@ def test_damage_never_falls_and_what_failed_has_neither_shear_nor_tension(materi
 @LANES
 def test_damage_without_plastic_strain_is_of_laws_that_say_so(material, lanes):
     """Pulled apart without shear, nothing flows."""
-    strain = np.linspace(0, 0.3, 301)
-    states = states_of(len(strain), material, volume=V0 * (1 + strain))
-    states[:, 2] = material.to_core().eos_at(np.stack([1 / (1 + strain) - 1, 0 * strain], axis=1))[:, 0]
+    dilation = np.linspace(0, 0.3, 301)
+    states = states_of(len(dilation), material, volume=V0 * (1 + dilation))
+    states[:, 2] = material.to_core().eos_at(np.stack([1 / (1 + dilation) - 1, 0 * dilation], axis=1))[:, 0]
     after = update(material, states, lanes=lanes)
     assert (after[:, 4] == 0).all()
     if declared("failure", material.failure.model)["needs_flow"]:
@@ -45,7 +45,7 @@ def test_damage_without_plastic_strain_is_of_laws_that_say_so(material, lanes):
         return
     failed = after[:, 6] >= 1
     print(
-        f"{lanes=}: fails at a strain of {strain[failed][0]:.3f}, a tension of {-states[failed][0, 2] / 1e9:.3f} GPa"
+        f"{lanes=}: fails at a dilation of {dilation[failed][0]:.3f}, a tension of {-states[failed][0, 2] / 1e9:.3f} GPa"
     )
     assert failed.any()
     assert not failed[0]

@@ -11,11 +11,11 @@ G0, Y0, Y_MAX, BETA, N = 27.6e9, 0.29e9, 0.68e9, 125.0, 0.1
 A, B, T_M0, SMALL_A, GAMMA0 = 65.2e-12, 6.16e-4, 1220.0, 1.5, 1.97
 
 
-def reference(strain, temperature, pressure, h, e_i=0.0):
+def reference(plastic, temperature, pressure, h, e_i=0.0):
     """Shear modulus and flow stress; h = rho/rho0."""
     g = max(1 + A * pressure / np.cbrt(h) - B * (temperature - 300), 0.01)
     melt = T_M0 * np.exp(2 * SMALL_A * (1 - 1 / h)) * h ** (2 * (GAMMA0 - SMALL_A - 1 / 3))
-    flow = min(Y0 * (1 + BETA * (strain + e_i)) ** N, Y_MAX) * g if temperature < melt else 0.0
+    flow = min(Y0 * (1 + BETA * (plastic + e_i)) ** N, Y_MAX) * g if temperature < melt else 0.0
     return G0 * g, flow
 
 
@@ -26,15 +26,15 @@ def made(**changed):
 @pytest.mark.parametrize("changed", [{}, {"e_i": 0.05}], ids=["annealed", "worked"])
 def test_modulus_and_flow_stress_are_the_reference(changed):
     rng, n = np.random.default_rng(1), 3000
-    strain = np.where(rng.random(n) < 0.2, 0, 10 ** rng.uniform(-5, 2.5, n))
+    plastic = np.where(rng.random(n) < 0.2, 0, 10 ** rng.uniform(-5, 2.5, n))
     temperature, pressure, h = rng.uniform(250, 2500, n), rng.uniform(-2e10, 1e11, n), rng.uniform(0.8, 2, n)
-    rows = np.stack([strain, 10 ** rng.uniform(-2, 8, n), temperature, pressure, 1 / h, np.zeros(n)], axis=1)
+    rows = np.stack([plastic, 10 ** rng.uniform(-2, 8, n), temperature, pressure, 1 / h, np.zeros(n)], axis=1)
     got = made(**changed).to_core().strength_at(rows)
     want = np.array(
-        [reference(*row, **changed) for row in zip(strain, temperature, pressure, h, strict=True)]
+        [reference(*row, **changed) for row in zip(plastic, temperature, pressure, h, strict=True)]
     )
     off = np.abs(got[:, [6, 0]] - want).max(axis=0) / [G0, Y0]
-    capped, molten = (want[:, 1] > 0) & (got[:, 1] == 0) & (strain > 0), want[:, 1] == 0
+    capped, molten = (want[:, 1] > 0) & (got[:, 1] == 0) & (plastic > 0), want[:, 1] == 0
     print(f"off by {off[0]:.1e} of G0, {off[1]:.1e} of Y0; {capped.sum()} at Y_max, {molten.sum()} molten")
     assert off.max() < 1e-12
     assert capped.sum() > 50

@@ -3,7 +3,7 @@
 import numpy as np
 from lawbook import DT, LANES, V0, declared, differences, each, states_of, update
 
-COLUMNS = ("strain", "rate", "temperature", "pressure", "ratio", "damage")
+COLUMNS = ("plastic strain", "rate", "temperature", "pressure", "ratio", "damage")
 
 
 def rows_of(material, n=3000, seed=1):
@@ -33,7 +33,7 @@ def test_the_slopes_are_those_of_the_flow_stress(material):
     made, rows = material.to_core(), rows_of(material)
     rows = rows[rows[:, 0] > 0]
     out = made.strength_at(rows)
-    for column, slope, step in ((0, out[:, 1], 1e-5), (1, out[:, 3], 1e-5)):
+    for column, slope, change in ((0, out[:, 1], 1e-5), (1, out[:, 3], 1e-5)):
         logarithms = rows.copy()
         logarithms[:, column] = np.log(rows[:, column])
 
@@ -42,7 +42,7 @@ def test_the_slopes_are_those_of_the_flow_stress(material):
             given[:, column] = np.exp(at[:, column])
             return made.strength_at(given)[:, 0]
 
-        got, smooth = differences(stress, logarithms, column, step)
+        got, smooth = differences(stress, logarithms, column, change)
         worst = (np.abs(got - slope) / (out[:, 0] + 1.0))[smooth].max()
         print(f"by {COLUMNS[column]}: off by {worst:.1e} of the stress, {len(rows) - smooth.sum()} at a kink")
         assert worst < 1e-6
@@ -51,7 +51,7 @@ def test_the_slopes_are_those_of_the_flow_stress(material):
 
 @each("strength")
 def test_the_flow_stress_is_monotone(material):
-    """More strain and a higher rate never soften, heat never hardens, and nothing is below the least."""
+    """More plastic strain and a higher rate never soften, heat never hardens, and nothing is below the least."""
     if not yields(material):
         return
     made, rows = material.to_core(), rows_of(material, seed=2)
@@ -92,7 +92,7 @@ def test_a_return_ends_on_the_yield_surface(material, lanes):
     shear = made.strength_at(rows)[:, 6]
     increment = np.where(rows[:, 0] < trial / (3 * shear), after[:, 4] - rows[:, 0], 0)
     flow = trial - 3 * shear * increment
-    # A small increment on a large strain is lost to rounding: then from the stress itself, of points that did not fail.
+    # A small increment on a large plastic strain is lost to rounding: then from the stress itself, of points that did not fail.
     by_stress = np.sqrt(3) * np.abs(after[:, 10])
     held = (after[:, 6] < 1) & ~below
     increment = np.where(increment > 0, increment, (trial - by_stress) / (3 * shear))

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from pockmark.base.geometry import Mirror
+from pockmark.base.geometry import Mirror, Setup
 from pockmark.metrology.crater import measure_target
 from pockmark.metrology.surface import SIGMA
 from pockmark.metrology.uncertainty import LEVELS, uncertainties
@@ -26,7 +26,7 @@ def block(solid, lower=(-80, 0, -60), top=0):
 
 
 def measured(points, mirrors=HALF, level=0.5):
-    return measure_target(*points, H * UM, mirrors=mirrors, level=level)
+    return measure_target(*points, Setup(H * UM, mirrors), level=level)
 
 
 def hemisphere(radius, at=0.0):

@@ -14,8 +14,8 @@ HALF = (Mirror(1, 0.0, above=False),)
 
 def lattice(x, y, z, keep=lambda p: p[:, 0] < np.inf):
     axes = [np.arange(a + 1, b, 2.0) * 1e-6 for a, b in (x, y, z)]
-    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-    return points[keep(points)]
+    position = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return position[keep(position)]
 
 
 def snapshot(*parts):
@@ -71,7 +71,7 @@ def test_the_lining_is_what_lies_in_the_bowl(y, images):
     layer, outside = lattice((-16, 16), y, (-12, -8)), lattice((-30, -20), (0, 10), (0, 2))
     fields = snapshot((target, (0, 0, 0), 0), (layer, (0, 0, 0), 1), (outside, (0, 0, 0), 1))
     is_target = fields["body"] == 0
-    crater = measure_target(fields["position"][is_target], fields["volume"][is_target], H, mirrors=HALF)
+    crater = measure_target(fields["position"][is_target], fields["volume"][is_target], Setup(H, HALF))
     mass, thickness = lining(fields, crater, Setup(H, HALF, projectiles=(1,)))
     print(
         f"C_p {crater.depth * 1e6:.2f} of 12 um, lining {thickness * 1e6:.2f} of 4 um, mass {mass / len(layer) / 1e-12:.3f}"

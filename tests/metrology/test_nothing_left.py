@@ -10,15 +10,16 @@ import pytest
 from rich.console import Console
 
 from pockmark import Scene, Simulation, measure
+from pockmark.base.json import finite, to_json
 from pockmark.base.ledger import LEDGER as KEYS
 from pockmark.cli import main
 from pockmark.metrology.measures import measures
-from pockmark.metrology.results import crater_of, depth_change, field_of
+from pockmark.metrology.results import crater_of, depth_change, filling_of
 from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.points import make_points
 from pockmark.run.setup import setup_of
-from pockmark.run.store import RunFolder, finite, to_json
+from pockmark.run.store import RunFolder
 from pockmark.view.plots import HISTORY_COLUMNS, history_figure, slice_figure
 from pockmark.view.report import report
 
@@ -85,8 +86,8 @@ def draw(snapshot, scene):
     """What `plot` draws, where a warning is a fault."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        field = field_of(snapshot, setup_of(scene))
-        crater = crater_of(field.surface()) if field else None
+        filling = filling_of(snapshot, setup_of(scene))
+        crater = crater_of(filling.surface()) if filling else None
         figure = slice_figure(snapshot, setup_of(scene), crater=crater, title="")
         figure.draw_without_rendering()
     return figure

@@ -64,12 +64,12 @@ def aluminium(failure=None):
     return material(paper_eos(), johnson_cook(), failure=failure, q=(1.5, 0.06))
 
 
-def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0):
+def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, strain_limit=0.2):
     return core.Options(
         scheme=getattr(core.Scheme, scheme),
         shape=getattr(core.ShapeFunction, shape),
         cfl=cfl,
-        strain_limit=0.2,
+        strain_limit=strain_limit,
         pic_fraction=pic,
         mass_cutoff=cutoff,
         sleep=True,

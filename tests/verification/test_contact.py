@@ -168,14 +168,14 @@ def test_a_block_sticks_on_an_incline(friction):
 
 def cylinder(radius, x, z, pitch=0.5):
     """Points on rings, so that it is round, in a slice one cell thick; their volumes."""
-    points, volumes = [], []
+    position, volumes = [], []
     for r in np.arange(pitch / 2, radius, pitch):
         n = round(2 * np.pi * r / pitch)
         angle = 2 * np.pi * (np.arange(n) + 0.5) / n
         for y in (0.25, 0.75):
-            points.append(np.stack([x + r * np.cos(angle), np.full(n, y), z + r * np.sin(angle)], axis=1))
+            position.append(np.stack([x + r * np.cos(angle), np.full(n, y), z + r * np.sin(angle)], axis=1))
             volumes.append(np.full(n, 2 * np.pi * r * pitch * 0.5 / n))
-    return np.concatenate(points), np.concatenate(volumes)
+    return np.concatenate(position), np.concatenate(volumes)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.1, 0.4])

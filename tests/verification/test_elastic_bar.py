@@ -12,9 +12,9 @@ AMPLITUDE = 1e-4  # of the wave speed: linear
 def frequency(cells, scheme, shape, single=False):
     """Angular frequency of the mean velocity over one period, from its zero crossings."""
     h = LENGTH / cells
-    points = lattice((0, 0, 0), (2 * cells, 1, 1), (h / 2, h, h))
-    v = np.zeros_like(points)
-    v[:, 0] = 10 * AMPLITUDE * np.sin(np.pi / 2 * points[:, 0] / LENGTH)
+    position = lattice((0, 0, 0), (2 * cells, 1, 1), (h / 2, h, h))
+    v = np.zeros_like(position)
+    v[:, 0] = 10 * AMPLITUDE * np.sin(np.pi / 2 * position[:, 0] / LENGTH)
     s = solver(
         (0, 0, 0),
         h,
@@ -22,7 +22,7 @@ def frequency(cells, scheme, shape, single=False):
         [FIXED, FREE] + [SYMMETRY] * 4,
         [elastic(YOUNG, 0.0, DENSITY)],
         options(scheme, shape, cfl=0.2),
-        [(points, v, h**3 / 2, DENSITY, 0)],
+        [(position, v, h**3 / 2, DENSITY, 0)],
         single=single,
     )
     period = 2 * np.pi / OMEGA

@@ -371,7 +371,7 @@ def test_elastic_precursor(scheme, shape):
     # The number for the paper's yield stress.
     assert 265e6 * (1 - nu) / (1 - 2 * nu) == pytest.approx(0.5566e9, rel=1e-3)
     half = 500
-    v = 150.0  # up = 75 m/s, the precursor's own step is 12 m/s
+    v = 150.0  # up = 75 m/s, the precursor's own jump is 12 m/s
     times = np.array([0.5, 0.9]) * half * H / c_d
     (early, late), _ = impact(
         perfectly_plastic(SHEAR, yield_stress),

@@ -15,7 +15,7 @@ SCHEMES = [("usf", "trilinear"), ("musl", "trilinear"), ("usavg", "trilinear"), 
 def test_free_flight(scheme, shape, single):
     """A block crosses cells at constant velocity: no stress, no change of velocity."""
     velocity = np.array([310.0, -170.0, 90.0])
-    points = lattice((10 * H, 10 * H, 10 * H), (8, 8, 8), H / 2)
+    position = lattice((10 * H, 10 * H, 10 * H), (8, 8, 8), H / 2)
     s = solver(
         (0, 0, 0),
         H,
@@ -23,13 +23,13 @@ def test_free_flight(scheme, shape, single):
         [FREE] * 6,
         [elastic(YOUNG, NU, DENSITY)],
         options(scheme, shape),
-        [(points, np.tile(velocity, (len(points), 1)), H**3 / 8, DENSITY, 0)],
+        [(position, np.tile(velocity, (len(position), 1)), H**3 / 8, DENSITY, 0)],
         single=single,
     )
     time = 4 * H / 310.0
     s.advance(10**6, time)
     order = np.argsort(s.field("id"))
-    moved = s.field("position")[order] - points
+    moved = s.field("position")[order] - position
     drift = np.abs(s.field("velocity") - velocity).max() / 310.0
     stress = np.abs(s.field("deviator")).max() / YOUNG
     print(f"{scheme} {shape}: {s.cycle} steps, velocity drift {drift:.1e}, stress {stress:.1e} E")

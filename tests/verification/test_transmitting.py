@@ -99,10 +99,10 @@ def set_strain(s, strain, volume):
 def test_normal_incidence(scheme, shape, single):
     """A P pulse of standard width 8 cells runs into the face: less than 1 % of its energy comes back."""
     n, width, start = 160, 8 * H, 80 * H
-    points = lattice((0, 0, 0), (2 * n, 1, 1), (H / 2, H, H))
+    position = lattice((0, 0, 0), (2 * n, 1, 1), (H / 2, H, H))
     volume = H**3 / 2
     tiny = 1e-4 if single else TINY  # a volume of 1 - 1e-6 is known to 6 % in single precision
-    pulse = tiny * np.exp(-(((points[:, 0] - start) / width) ** 2) / 2)
+    pulse = tiny * np.exp(-(((position[:, 0] - start) / width) ** 2) / 2)
     v = np.zeros((2 * n, 3))
     v[:, 0] = CD * pulse
     s = solver(
@@ -112,7 +112,7 @@ def test_normal_incidence(scheme, shape, single):
         [FREE, TRANSMITTING] + [SYMMETRY] * 4,
         [material()],
         options(scheme, shape),
-        [(points, v, volume, RHO, 0)],
+        [(position, v, volume, RHO, 0)],
         single=single,
     )
     strain = np.zeros((2 * n, 6))
@@ -149,12 +149,12 @@ def packet(kind, theta, wavelength, long, wide, cells, centre):
     c = CD if kind == "P" else CS
     d = (ex, ey) if kind == "P" else (-ey, ex)
     phase = np.exp(-1j * (kx * (centre[0] - H / 4) + ky * (centre[1] - H / 4)))
-    field = lambda f: np.fft.ifft2(f * a * phase).real.ravel()  # noqa: E731
-    v = np.stack([field(d[0]), field(d[1]), np.zeros(nx * ny)], axis=1)
+    wave = lambda f: np.fft.ifft2(f * a * phase).real.ravel()  # noqa: E731
+    v = np.stack([wave(d[0]), wave(d[1]), np.zeros(nx * ny)], axis=1)
     scale = TINY * c / np.abs(v).max()
     z = np.zeros(nx * ny)
     # u = d f(n.x - c t): grad u = -(v/c) n.
-    e = [-field(d[0] * ex) / c, -field(d[1] * ey) / c, z, -field((d[0] * ey + d[1] * ex) / 2) / c, z, z]
+    e = [-wave(d[0] * ex) / c, -wave(d[1] * ey) / c, z, -wave((d[0] * ey + d[1] * ex) / 2) / c, z, z]
     return v * scale, np.stack(e, axis=1) * scale, np.arctan2(ky, kx), a**2
 
 
@@ -198,7 +198,7 @@ def measured_reflection(degrees, kind, wavelength, long, wide):
     cells = int(2 * half_x) + 4, int(2 * half_y + (2.2 if kind == "P" else 2.6) * path * np.sin(theta)) + 4
     centre = np.array([cells[0] - half_x, half_y]) * H
     v, strain, angle, weight = packet(kind, theta, wavelength, long, wide, cells, centre)
-    points = lattice((0, 0, 0), (2 * cells[0], 2 * cells[1], 1), (H / 2, H / 2, H))
+    position = lattice((0, 0, 0), (2 * cells[0], 2 * cells[1], 1), (H / 2, H / 2, H))
     volume = H**3 / 4
     faces = [FREE, TRANSMITTING, FREE, FREE, SYMMETRY, SYMMETRY]
     s = solver(
@@ -208,7 +208,7 @@ def measured_reflection(degrees, kind, wavelength, long, wide):
         faces,
         [material()],
         options("usavg", cfl=0.6),
-        [(points, v, volume, RHO, 0)],
+        [(position, v, volume, RHO, 0)],
         threads=2,
     )
     set_strain(s, strain, volume)
@@ -223,7 +223,7 @@ def measured_reflection(degrees, kind, wavelength, long, wide):
     got, theory = final / initial, p_theory + s_theory
     absorbed = s.ledger()["absorbed"] / initial
     print(
-        f"  {wavelength} cells a wave, {len(points)} points, {s.cycle} steps: reflected {got:.5f}, theory {theory:.5f}, "
+        f"  {wavelength} cells a wave, {len(position)} points, {s.cycle} steps: reflected {got:.5f}, theory {theory:.5f}, "
         f"absorbed + left {absorbed + got:.5f}"
     )
     # What is missing is the dissipation of waves so short.
@@ -241,7 +241,7 @@ def test_areas_of_edges_and_corners(shape, filled, direction):
     """A block in the corner of three transmitting faces, moving rigidly: the force on it is -sum rho c A v, exactly."""
     cells = 4
     v = TINY * CD * np.array(direction, dtype=float)
-    points = lattice((0, 0, 0), [2 * n for n in filled], H / 2)
+    position = lattice((0, 0, 0), [2 * n for n in filled], H / 2)
     volume = H**3 / 8
     s = solver(
         (0, 0, 0),
@@ -250,7 +250,7 @@ def test_areas_of_edges_and_corners(shape, filled, direction):
         [TRANSMITTING, FREE] * 3,
         [material()],
         options("usf", shape),
-        [(points, v, volume, RHO, 0)],
+        [(position, v, volume, RHO, 0)],
     )
     area = np.array([filled[1] * filled[2], filled[0] * filled[2], filled[0] * filled[1]]) * H**2
     impedance = np.array([sum(area[b] * RHO * (CD if a == b else CS) for b in range(3)) for a in range(3)])

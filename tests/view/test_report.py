@@ -11,10 +11,11 @@ from rich.console import Console
 
 from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.base.counters import COUNTERS
+from pockmark.base.json import to_json
 from pockmark.base.ledger import DRAWN, LEDGER, LEFT_ENERGIES, LEFT_MOMENTUM, SHARES
 from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
-from pockmark.run.store import RunFolder, to_json
+from pockmark.run.store import RunFolder
 from pockmark.view.report import report
 
 ROOT = Path(__file__).parents[2]

@@ -1,10 +1,16 @@
-"""The counters of core/audit.hpp, the one list: what each counts, for who reads a result, and which make a run doubtful."""
+"""The counters of core/audit.hpp: what each counts, and which make a run doubtful.
+
+This is the one list of them in Python.
+"""
 
 from typing import NamedTuple
 
 
 class Counter(NamedTuple):
-    """What a counter counts; of an impossible state or a numerical fault also what its points did."""
+    """What a counter counts, and what its points did if that makes a run doubtful.
+
+    `doubt` is empty for a counter of physics, or of the method at work.
+    """
 
     what: str
     doubt: str = ""
@@ -41,4 +47,4 @@ COUNTERS = {
     "negative_temperatures": Counter("steps of a point below 0 K: impossible", "were colder than 0 K"),
 }
 DOUBTFUL = {name: counter.doubt for name, counter in COUNTERS.items() if counter.doubt}
-GONE = ("left_points", "lost_points")  # a run's points are these and those in the grid
+GONE = ("left_points", "lost_points")  # these and the points in the grid are all points of a run

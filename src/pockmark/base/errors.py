@@ -1,11 +1,11 @@
-"""The one kind of error that a user's mistake raises, and its sentence: short, and without control characters."""
+"""The one kind of error that a user's mistake raises, and how its sentence is kept short and printable."""
 
 import reprlib
 from collections.abc import Sequence
 from typing import Any
 
 MAX_SENTENCE = 480  # characters of an error
-MAX_FAULTS = 360  # of them for faults that are told together
+MAX_FAULTS = 360  # characters of faults that are told together
 
 
 class PockmarkError(Exception):
@@ -26,13 +26,17 @@ def found(value: Any) -> str:
 
 
 def shown(text: object, limit: int = 200) -> str:
-    """Return a user's text as a terminal or a picture may show it: control and direction characters and line ends as
-    escapes, and of a long text its beginning and its end, at most `limit` characters."""
+    """Return a user's text as a terminal or a picture may show it, in at most `limit` characters.
+
+    Control characters, direction characters and line ends become escapes. A long text keeps its beginning and its
+    end.
+    """
     escaped = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in _cut(str(text), limit))
     return _cut(escaped, limit)
 
 
 def _cut(text: str, limit: int) -> str:
+    """Return a text, or its beginning and its end if it has more than `limit` characters."""
     if len(text) <= limit:
         return text
     end = limit // 4
@@ -40,7 +44,7 @@ def _cut(text: str, limit: int) -> str:
 
 
 def together(faults: Sequence[str]) -> str:
-    """Return faults as one sentence; those that would make it too long are counted."""
+    """Return faults as one sentence. Those that would make it too long are only counted."""
     told = list(dict.fromkeys(faults))
     if len(told) > 1:
         told = [shown(fault, MAX_FAULTS * 2 // 3) for fault in told]

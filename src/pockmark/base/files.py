@@ -1,4 +1,7 @@
-"""Opening what is in a run folder as what it should be: a regular file of a sane size, never what a link points to."""
+"""Files of a run folder, opened with distrust.
+
+Each must be what it should be: a regular file of a sane size. What a link points to is never opened.
+"""
 
 import errno
 import os
@@ -15,7 +18,7 @@ AnyPath = str | os.PathLike[str]
 
 
 def as_path(value: AnyPath) -> Path:
-    """Return what a user gives as a path. Raises PockmarkError for what can be none."""
+    """Return what a user gives as a path. Raises PockmarkError for what cannot be one."""
     try:
         path = Path(value)
     except TypeError:
@@ -26,8 +29,10 @@ def as_path(value: AnyPath) -> Path:
 
 
 def open_regular(path: Path, flags: int, *, follow: bool = False) -> int:
-    """Return a descriptor of a regular file. Raises PockmarkError for anything else, at once; a link is such unless it may be
-    followed."""
+    """Return a descriptor of a regular file.
+
+    Raises PockmarkError at once for anything else. A link is something else, unless `follow` allows it.
+    """
     try:
         # A pipe without a writer would keep a plain open() waiting.
         descriptor = os.open(
@@ -46,7 +51,10 @@ def open_regular(path: Path, flags: int, *, follow: bool = False) -> int:
 
 
 def read_text(path: Path, *, largest: int = LARGEST_TEXT, follow: bool = False) -> str:
-    """Return a short file's text, UTF-8. Raises PockmarkError for what has more bytes than `largest`, is no text or no regular file."""
+    """Return a short file's text, UTF-8.
+
+    Raises PockmarkError for more than `largest` bytes, for what is no text, and for what is no regular file.
+    """
     with told(path), open(open_regular(path, os.O_RDONLY, follow=follow), "rb") as file:
         read = file.read(largest + 1)
     if len(read) > largest:
@@ -59,9 +67,9 @@ def read_text(path: Path, *, largest: int = LARGEST_TEXT, follow: bool = False) 
 
 @contextmanager
 def replaced(path: Path) -> Iterator[int]:
-    """Give the descriptor of a new file that takes the place of `path` at the end; a failure leaves the old one whole.
+    """Give the descriptor of a new file that takes the place of `path` at the end.
 
-    A link at `path` is replaced, not followed.
+    A failure leaves the old file whole. A link at `path` is replaced, not followed.
     """
     part = path.with_name(f"{path.name}.{os.getpid()}.part")
     with told(path):
@@ -81,9 +89,23 @@ def write_text(path: Path, text: str) -> None:
         file.write(text.encode())
 
 
+def size_on_disk(path: Path) -> int:
+    """Wait until a file is on the disk, and return its bytes. Raises PockmarkError."""
+    descriptor = open_regular(path, os.O_RDONLY)
+    with told(path), open(descriptor, "rb") as file:
+        os.fsync(descriptor)
+        return os.fstat(file.fileno()).st_size
+
+
+def cut_off(path: Path, size: int) -> None:
+    """Remove what a file has beyond `size` bytes. Raises PockmarkError."""
+    with told(path), open(open_regular(path, os.O_WRONLY), "wb", buffering=0) as file:
+        file.truncate(size)
+
+
 @contextmanager
 def told(path: str | Path) -> Iterator[None]:
-    """Turn a failure of the system into one sentence about `path`."""
+    """Turn a failure of the system into a PockmarkError of one sentence about `path`."""
     try:
         yield
     except OSError as error:
@@ -91,14 +113,14 @@ def told(path: str | Path) -> Iterator[None]:
 
 
 def reason(error: Exception) -> str:
-    """Return what the system says, on one line; HDF5 hides its number in the middle of a message."""
+    """Return on one line what the system says. HDF5 hides the error's number in the middle of a message."""
     if number := re.search(r"errno = (\d+)", str(error)):
         return os.strerror(int(number[1]))
     return (isinstance(error, OSError) and error.strerror) or " ".join(str(error).split())
 
 
 def _what(path: Path, follow: bool) -> str:
-    """Name the kind of thing at a path."""
+    """Return the name of the kind of thing at a path."""
     try:
         mode = os.stat(path, follow_symlinks=follow).st_mode
     except OSError:

@@ -1,4 +1,8 @@
-"""The ledger's keys, the one list: what the core adds up, the history and the manifest keep, results and pictures show."""
+"""The ledger's keys, and what each means.
+
+The core adds them up, the history and the manifest keep them, results and pictures show them. This is the one list of
+them in Python.
+"""
 
 LEDGER = {
     "kinetic": "energy of the points' motion in the grid, J",
@@ -11,17 +15,17 @@ LEDGER = {
     "pic": "energy that the PIC share took, J",
     "contact": "energy that contact and its friction took, J",
     "initial": "kinetic and internal energy at the start, J",
-    "error": "what the sum of all energies but `viscous` and `plastic` is off `initial`, J",
-    "mass": "of the points in the grid, kg",
-    "left_mass": "of the points that left, kg",
-    "momentum_x": "of the points in the grid, kg m/s",
-    "momentum_y": "of the points in the grid, kg m/s",
-    "momentum_z": "of the points in the grid, kg m/s",
-    "left_momentum_x": "of the points that left, kg m/s",
-    "left_momentum_y": "of the points that left, kg m/s",
-    "left_momentum_z": "of the points that left, kg m/s",
+    "error": "sum of all energies but `viscous` and `plastic`, less `initial`, J",
+    "mass": "mass of the points in the grid, kg",
+    "left_mass": "mass of the points that left, kg",
+    "momentum_x": "momentum along x of the points in the grid, kg m/s",
+    "momentum_y": "momentum along y of the points in the grid, kg m/s",
+    "momentum_z": "momentum along z of the points in the grid, kg m/s",
+    "left_momentum_x": "momentum along x of the points that left, kg m/s",
+    "left_momentum_y": "momentum along y of the points that left, kg m/s",
+    "left_momentum_z": "momentum along z of the points that left, kg m/s",
 }
-# In the order of the tables and pictures that show them:
+# Keys in the order in which tables and pictures show them:
 SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
 DRAWN = ("kinetic", "internal", "absorbed")
 LEFT_ENERGIES = ("left_kinetic", "left_internal")

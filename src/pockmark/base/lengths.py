@@ -1,13 +1,20 @@
-"""Lengths, areas and volumes for a reader: in the unit in which their figures keep their digits. Programs get SI."""
+"""Lengths, areas and volumes for a reader, in the unit in which their figures keep their digits.
+
+Programs get SI.
+"""
 
 import math
 
-# (unit, its size in m, the first size in m that is too large for it). Micrometres are the house's: .1 to 9999 of them.
+# (unit, its size in m, the first length in m that is too large for it). Lengths of .1 to 9999 um are in um.
 _UNITS = (("nm", 1e-9, 0.1e-6), ("um", 1e-6, 9999.5e-6), ("mm", 1e-3, 9.9995), ("m", 1.0, math.inf))
 
 
 def unit_for(*values: float | None, power: int = 1) -> tuple[str, float]:
-    """Return the unit, and its size in SI, that suits the largest of some lengths (m), or of their areas or volumes."""
+    """Return a unit and its size in SI that suits the largest of some lengths, m.
+
+    With `power` 2 or 3 the values are areas (m^2) or volumes (m^3), and so is the unit. What is None or not finite is
+    passed over.
+    """
     sizes = [abs(value) ** (1 / power) for value in values if value is not None and math.isfinite(value)]
     largest = max(sizes, default=0.0)
     if largest == 0:

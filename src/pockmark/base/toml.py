@@ -1,4 +1,4 @@
-"""Reading TOML with one sentence a fault, and writing it, which tomllib does not."""
+"""TOML: read with one sentence for a fault, and written, which tomllib does not do."""
 
 import json
 import math
@@ -42,22 +42,27 @@ def to_toml(table: Mapping[str, Any], prefix: str = "") -> str:
 
 
 def written_key(key: str) -> str:
-    """Return a key as it is where TOML allows that, or else quoted."""
+    """Return a key as TOML writes it: bare where that is allowed, or else quoted."""
     return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else _text(key)
 
 
 def _text(text: str) -> str:
-    """Return a basic string: JSON's escapes, but TOML knows no surrogates and wants DEL escaped."""
+    """Return a basic string of TOML.
+
+    Its escapes are JSON's, but TOML has no surrogates, and DEL must be escaped.
+    """
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _is_table(value: Any) -> bool:
+    """Return whether a value is written under a header of its own: a table, or a list of tables."""
     return isinstance(value, Mapping) or (
         isinstance(value, list) and bool(value) and isinstance(value[0], Mapping)
     )
 
 
 def _value(value: Any) -> str:
+    """Return a plain value as TOML writes it."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):

@@ -17,16 +17,16 @@ from pydantic import BeforeValidator
 from .errors import found
 
 MAX_LENGTH = 100  # characters of a text
-SMALLEST = 1e-100  # no quantity but 0 is nearer to 0: products and powers of one are still no 0
+SMALLEST = 1e-100  # no quantity but 0 is nearer to 0: so products and powers of quantities are not 0 either
 
-# What a name may mean, in pint's own words; pint knows hundreds more, constants and plain numbers among them.
+# The units allowed, by pint's names. Pint has hundreds more, constants and plain numbers among them.
 UNITS = re.compile(
     "meter|gram|second|minute|hour|day|kelvin|degree_Celsius|degree_Fahrenheit|radian|degree|arcminute|hertz|newton|pascal|bar|"
     "joule|watt|liter|electron_volt|calorie|erg|dyne|standard_atmosphere|metric_ton|micron|angstrom|inch|foot|mil|mile|pound|"
     "pound_force_per_square_inch|kip_per_square_inch"
 )
 PREFIXES = re.compile("|atto|femto|pico|nano|micro|milli|centi|deci|hecto|kilo|mega|giga|tera")
-# Counted from a zero of their own, and so never a part of another unit.
+# Temperatures that count from a zero of their own, and so are never part of another unit.
 TEMPERATURES = ("degree_Celsius", "degree_Fahrenheit")
 
 _NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|[+-]?(?:nan|inf)"
@@ -40,8 +40,8 @@ _QUANTITY = re.compile(rf" *({_NUMBER}) *((?:1?/ ?)?{_PART}(?: ?[*/] ?{_PART})*)
 def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf) -> float:
     """Convert a number (already SI) or a text with a unit to a float in `unit`, an SI unit such as "m/s".
 
-    Raises ValueError with one sentence on a wrong unit, on something that is no finite number, nearer to 0 than SMALLEST, below
-    `low` or above `high`.
+    Raises ValueError with one sentence: for a wrong unit, for what is no finite number, for what is nearer to 0 than
+    SMALLEST, and for what is below `low` or above `high`.
     """
     number = _to_float(value, unit)
     if not math.isfinite(number):
@@ -54,7 +54,7 @@ def to_si(value: Any, unit: str, low: float = -math.inf, high: float = math.inf)
 
 
 def _to_float(value: Any, unit: str) -> float:
-    """Convert like to_si, without the checks of the number itself."""
+    """Convert a value as to_si does, without its checks of the number itself."""
     if isinstance(value, bool):
         raise ValueError(f"{found(value)}, expected a quantity in {unit or 'no unit'}")
     if isinstance(value, int | float):
@@ -82,13 +82,16 @@ def _to_float(value: Any, unit: str) -> float:
 
 @cache
 def _registry() -> pint.UnitRegistry[Any]:
+    """Return pint's units, in decimal arithmetic; made once."""
     return pint.UnitRegistry(non_int_type=Decimal)
 
 
 @lru_cache(maxsize=256)
 def _known(written: str, unit: str) -> Any:
-    """Return the unit that is written, as pint has it. Raises ValueError unless it is one of those allowed and measures what `unit`
-    does."""
+    """Return the unit that is written, as pint has it.
+
+    Raises ValueError unless it is one of those allowed and measures what `unit` does.
+    """
     registry = _registry()
     for name in re.findall(_NAME, written):
         prefix, base, _ = next(iter(registry.parse_unit_name(name)), ("", "", ""))
@@ -96,7 +99,7 @@ def _known(written: str, unit: str) -> Any:
             raise ValueError(f"where {name[:20]!r} is no unit that is known")
         if base in TEMPERATURES and (prefix or name != written):
             raise ValueError(f"where {name} is part of another unit: write K")
-    # Powers as pint has them, for it would read some names with digits in another way; "/s" as "1/s".
+    # Pint needs "**" in a power, for it reads some names with digits otherwise; and "1/s" for "/s".
     plain = re.sub(rf"({_NAME})(?:\^|\*\*)?([+-]?[1-9])", r"\1**\2", written.replace(" ", ""))
     given = registry.Unit(re.sub("^1?/", "1/", plain))
     # Not only the dimension: to pint an angle is a plain number.
@@ -106,13 +109,13 @@ def _known(written: str, unit: str) -> Any:
 
 
 def quantity(unit: str, low: float = -math.inf, high: float = math.inf) -> BeforeValidator:
-    """Say how a key of a table is read that is a quantity in `unit`, from `low` to `high`."""
+    """Return how pydantic reads a key that is a quantity in `unit`, from `low` to `high`."""
     return BeforeValidator(lambda value: to_si(value, unit, low, high))
 
 
 Length = Annotated[float, quantity("m", -1e4, 1e4)]
 Speed = Annotated[float, quantity("m/s", 0.0, 1e6)]  # meteoroids have up to 72 km/s
-Velocity = Annotated[float, quantity("m/s", -1e6, 1e6)]  # a component
+Velocity = Annotated[float, quantity("m/s", -1e6, 1e6)]  # one component
 Angle = Annotated[float, quantity("rad")]
 Time = Annotated[float, quantity("s", -1e4, 1e4)]
 Number = Annotated[float, quantity("")]

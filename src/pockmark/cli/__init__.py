@@ -23,6 +23,7 @@ for command in (run.run, resume.resume, check.check, measure.measure, plot.plot,
 
 
 def _version(value: bool) -> None:
+    """Print the version and leave, if it was asked for."""
     if value:
         print(__version__)
         raise typer.Exit
@@ -34,11 +35,11 @@ def _options(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
-    """Give the options of every command."""
+    """Declare the options of the program itself."""
 
 
 def main() -> None:
-    """Run the command line: a user's mistake is one sentence and exit code 2."""
+    """Run the command line. A user's mistake is one sentence and exit code 2."""
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # a name need not fit the terminal's encoding
     try:

@@ -6,10 +6,10 @@ import typer
 from rich.table import Table
 
 from ..base.errors import PockmarkError
+from ..base.json import to_json
 from ..run.bench import bench as run_bench
 from ..run.bench import bench_scene
 from ..run.simulation import thread_count
-from ..run.store import to_json
 from .common import CONSOLE, Overrides, Threads
 
 

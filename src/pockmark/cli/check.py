@@ -10,7 +10,7 @@ from .common import CONSOLE, Overrides, SceneFile, Threads
 
 
 def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -> None:
-    """Forecast points, cells, steps, memory and time of a scene, and say what hits and how hard, before anything runs."""
+    """Forecast points, cells, steps, memory and time of a scene, and what hits how hard, before anything runs."""
     loaded = Scene.load(scene, overrides or ())
     expected = forecast(loaded, thread_count(threads))
     table = Table(show_header=False, title=literal(loaded.title or scene, "table.title"))

@@ -9,7 +9,7 @@ from ..base.terminal import make_console
 
 CONSOLE = make_console()
 MAX_PATH = 4096  # characters of a path that are printed
-DOUBTFUL = 3  # exit code where a run finished in a state that cannot be
+DOUBTFUL = 3  # exit code of a finished run that is doubtful
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene in TOML.")]
 RunDir = Annotated[Path, typer.Argument(metavar="DIR", help="A run folder.")]

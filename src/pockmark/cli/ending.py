@@ -1,4 +1,4 @@
-"""What `pockmark run` and `resume` show at the end of a run, and the code that they end with."""
+"""The end of `pockmark run` and `resume`: what they show, and their exit code."""
 
 import typer
 
@@ -12,7 +12,7 @@ from .common import CONSOLE, DOUBTFUL, MAX_PATH
 
 
 def measured_and_drawn(folder: RunFolder) -> bool:
-    """Print the table of a run and draw its pictures. Returns whether the run is doubtful."""
+    """Print the table of a run and draw its pictures. Return whether the run is doubtful."""
     result = measure_run(folder.path)
     CONSOLE.print(report(result))
     for picture in plot_run(folder.path):
@@ -21,7 +21,10 @@ def measured_and_drawn(folder: RunFolder) -> bool:
 
 
 def end(folder: RunFolder, *, finished: bool, doubtful: bool) -> None:
-    """Leave with the exit code of a run, and say what it stands for; come back from one that is as it should be."""
+    """Leave with the exit code of a run, and say what the code stands for.
+
+    A run that is finished and not doubtful has no code: the function then returns.
+    """
     if not finished:
         how = "; pockmark resume goes on" if checkpoints(folder.path) else ""
         CONSOLE.print(f"interrupted: what was computed is kept{how}", style="yellow")

@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
+from ..base.json import to_json
 from ..run.measured import measure_run
-from ..run.store import to_json
 from ..view.report import report
 from .common import CONSOLE, RunDir
 
@@ -14,7 +14,7 @@ def measure(
     folder: RunDir,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON with stable keys, SI.")] = False,
 ) -> None:
-    """Measure crater, energies and counters of a run; what each counter counts is said beside it (and in docs/output.md)."""
+    """Measure crater, energies and counters of a run. What a counter counts is said beside it (docs/output.md)."""
     result = measure_run(folder)
     if as_json:
         print(to_json(result))

@@ -43,7 +43,7 @@ def resume(
 
 
 def _time(text: str) -> float:
-    """Return a time in s. Raises PockmarkError."""
+    """Return the time that --end-time gives, s. Raises PockmarkError."""
     try:
         return to_si(text, "s")
     except ValueError as error:

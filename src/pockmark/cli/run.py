@@ -34,7 +34,7 @@ def run(
             CONSOLE.print(f"{expected.cells_across:.3g} cells across the projectile")
         for warning in expected.warnings:
             CONSOLE.print(literal("warning:", "yellow"), literal(warning))
-    # What Ctrl-C leaves of the run is measured and drawn, however often it is pressed.
+    # What Ctrl-C leaves of the run is measured and drawn, however often Ctrl-C is pressed.
     with heard_between_steps():
         folder, finished = run_scene(
             loaded,

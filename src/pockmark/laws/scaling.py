@@ -12,15 +12,19 @@ Array = NDArray[np.float64]
 
 
 def energy_flux(flux: float, speed: float, angle: float = 0.0) -> tuple[float, float]:
-    """Return E_f and its normal part E_f^n, J/m^2 (Eqs. 25, 26): flux kg/m^2, speed m/s, angle from the normal rad."""
+    """Return E_f and its normal part E_f^n, J/m^2 (Liu et al. 2015, Eqs. 25, 26).
+
+    `flux` is in kg/m^2, `speed` in m/s, `angle` from the normal in rad.
+    """
     total = 0.5 * flux * speed**2
     return total, total * math.cos(angle) ** 2
 
 
 def group_depth(flux: float, normal_speed: float) -> float:
-    """Return C_p, m (Eq. 33, which is in mm, ms, g): flux kg/m^2, v_p cos(theta) m/s; 0 up to the threshold of 422.5 m/s.
+    """Return the depth C_p of a group's craters, m (Liu et al. 2015, Eq. 33, which is in mm, ms, g).
 
-    For Al 2024 on Al 2024 in the paper's pattern, 625 um^2 a sphere.
+    `flux` is in kg/m^2; `normal_speed` is v_p cos(theta), m/s. The depth is 0 up to the threshold of 422.5 m/s. The
+    equation is for Al 2024 on Al 2024 in the paper's pattern, 625 um^2 a sphere.
     """
     beyond = max(normal_speed - 422.5, 0.0)  # mm/ms are m/s
     return 1e-3 * 4.896e-4 * math.cbrt(flux * 1e-3) * math.pow(beyond, 0.9234)  # 1 kg/m^2 is 1e-3 g/mm^2
@@ -28,7 +32,11 @@ def group_depth(flux: float, normal_speed: float) -> float:
 
 @dataclass(frozen=True)
 class Fit:
-    """C_p/d_p = factor ((v_n - threshold) sqrt(rho/Y))^exponent; half-widths of the 95 % intervals; goodness of fit R^2."""
+    """A power law of crater depths: C_p/d_p = factor ((v_n - threshold) sqrt(rho/Y))^exponent.
+
+    `threshold` is in m/s. `intervals` are the half-widths of the 95 % intervals of the three constants. `goodness` is
+    R^2.
+    """
 
     factor: float
     threshold: float
@@ -37,14 +45,15 @@ class Fit:
     goodness: float
 
     def __call__(self, normal_speed: Array, root: float) -> Array:
-        """Return C_p/d_p at speeds (n,) m/s; `root` is sqrt(rho/Y), s/m."""
+        """Return C_p/d_p (n,) at normal speeds (n,), m/s; `root` is sqrt(rho/Y), s/m."""
         return _power(normal_speed * root, self.factor, self.threshold * root, self.exponent)
 
 
 def fit_depth(normal_speed: Array, depth_over_diameter: Array, *, density: float, strength: float) -> Fit:
-    """Fit the constants of Eqs. 31 and 32: v_p cos(theta) (n,) m/s, C_p/d_p (n,), of the target kg/m^3 and Pa, n > 3.
+    """Fit the constants of Liu et al. 2015, Eqs. 31 and 32, to n > 3 depths.
 
-    Raises ValueError for fewer points, RuntimeError if the fit does not converge.
+    `normal_speed` (n,) is v_p cos(theta), m/s; `depth_over_diameter` (n,) is C_p/d_p. `density` (kg/m^3) and
+    `strength` (Pa) are the target's. Raises ValueError for fewer depths, RuntimeError if the fit does not converge.
     """
     if len(normal_speed) <= 3:
         raise ValueError(f"found {len(normal_speed)} depths, a fit of three constants needs at least 4")
@@ -66,4 +75,5 @@ def fit_depth(normal_speed: Array, depth_over_diameter: Array, *, density: float
 
 
 def _power(x: Array, factor: float, threshold: float, exponent: float) -> Array:
+    """Return factor (x - threshold)^exponent; about 0 at and below the threshold."""
     return np.asarray(factor * np.maximum(x - threshold, 1e-12) ** exponent)

@@ -1,4 +1,4 @@
-"""What a reader of a crater's measures must know: sentences for the results, each plain and whole."""
+"""Cautions: what a reader of a crater's measures must know, in sentences for the results."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -14,12 +14,12 @@ from .hole import Hole
 from .results import misplaced
 from .surface import Surface
 
-SETTLED = 0.02  # change of the depth in the last tenth of a run
-ENOUGH_LAYERS = 4  # points through a wall
+SETTLED = 0.02  # share of the depth: if it changes by no more in the last tenth of a run, it has settled
+ENOUGH_LAYERS = 4  # points one behind another through a wall
 
 
 def missing(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Iterator[str]:
-    """Say why there is no crater to measure in a snapshot, where that is so."""
+    """Say why there is no crater to measure in a snapshot; nothing if there may be one."""
     wall = setup.wall
     if not setup.targets:
         yield "the scene has no target: every body is a projectile, and there is no crater to measure"
@@ -37,7 +37,7 @@ def missing(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Iterator[str]
 
 
 def of_nothing(crater: Crater | None, surface: Surface | None, setup: Setup, time: float) -> Iterator[str]:
-    """Say why there is no crater at a time (s), in a target that one could be measured in."""
+    """Say why there is no crater at a time (s), in a target in which one could be measured."""
     wall = setup.wall
     if crater is not None or wall is None or (surface is not None and surface.holes.any()):
         return
@@ -54,7 +54,7 @@ def of_nothing(crater: Crater | None, surface: Surface | None, setup: Setup, tim
 
 
 def of_other_walls(setup: Setup) -> Iterator[str]:
-    """Name the walls that no measure is of."""
+    """Name the walls that are not measured."""
     first = setup.wall.bodies if setup.wall else ()
     other = [i for wall in setup.walls or () for i in wall if i not in first]
     if first and other:
@@ -64,7 +64,7 @@ def of_other_walls(setup: Setup) -> Iterator[str]:
 
 
 def of_hole(hole: Hole | None, surface: Surface | None, setup: Setup) -> Iterator[str]:
-    """Say what a hole makes of the other measures."""
+    """Say what a hole means for the other measures."""
     wall = setup.wall
     if surface is None or wall is None or not surface.holes.any():
         return
@@ -114,7 +114,10 @@ def of_crater(crater: Crater | None, surface: Surface | None, setup: Setup) -> I
 
 
 def of_resolution(setup: Setup, crater: Crater | None, change: float | None) -> Iterator[str]:
-    """Say where the points or the time are too few; `change` of the depth in the last tenth, None where it is not known."""
+    """Say where points, cells or time are too few.
+
+    `change` is how much the depth changed in the last tenth of the run, as a share; None if it is not known.
+    """
     wall, cells = setup.wall, setup.cells_across
     if has_few_cells(cells):
         yield (

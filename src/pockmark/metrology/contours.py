@@ -11,7 +11,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Moments:
-    """Moments of an area: its size, its centre of gravity (2,), and the covariance (2, 2) of the places in it."""
+    """The moments of an area.
+
+    `area` is its size, `centre` (2,) its centre of gravity, `covariance` (2, 2) that of the places in it.
+    """
 
     area: float
     centre: Array
@@ -25,18 +28,21 @@ def open_at_edge(fraction: Array) -> bool:
 
 
 def contour_area(fraction: Array) -> float:
-    """Return the area (nodes^2) where a slice (nx, ny) is below one half; islands are taken off."""
+    """Return the area (nodes^2) where a slice (nx, ny) is below one half, without the islands in it."""
     return abs(sum(map(_signed_area, _contours(fraction))))
 
 
 def largest_contour(fraction: Array) -> Array | None:
-    """Return the contour (n, 2), in nodes, around the largest area below one half of a slice (nx, ny); None without any."""
+    """Return the contour (n, 2), in nodes, around the largest area below one half of a slice (nx, ny).
+
+    None if nothing is below one half.
+    """
     around = [contour for contour in _contours(fraction) if _signed_area(contour)]
     return max(around, key=lambda c: abs(_signed_area(c)), default=None)
 
 
 def polygon_moments(contour: Array) -> Moments:
-    """Return the moments of what a closed polygon (n, 2) encloses, by Green's theorem."""
+    """Return the moments of the area in a closed polygon (n, 2), by Green's theorem."""
     middle = contour.mean(axis=0)
     a, b = contour[:-1] - middle, contour[1:] - middle
     cross = a[:, 0] * b[:, 1] - b[:, 0] * a[:, 1]
@@ -49,9 +55,11 @@ def polygon_moments(contour: Array) -> Moments:
 
 
 def _contours(fraction: Array) -> list[Array]:
+    """Return all contours (n, 2) of one half in a slice (nx, ny), in nodes."""
     return list(find_contours(fraction, 0.5))  # type: ignore[no-untyped-call]
 
 
 def _signed_area(contour: Array) -> float:
+    """Return the area in a closed contour (n, 2), nodes^2; negative around an island."""
     u, v = contour[:, 0], contour[:, 1]
     return 0.5 * float(np.dot(u, np.roll(v, 1)) - np.dot(v, np.roll(u, 1)))

@@ -1,30 +1,34 @@
-"""What a crater measures: depth, pithead, volume, rim. The definitions are in docs/metrology.md."""
+"""The depth, pithead, volume and rim of a crater. The definitions are in docs/metrology.md."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from ..base.geometry import Mirror, Wall
+from ..base.geometry import Setup
 from .contours import contour_area, largest_contour, open_at_edge, polygon_moments
 from .ellipse import Ellipse, ellipse_of, with_area
 from .rim import Rim, crest_height, mean_crest, rim_of
-from .surface import SIGMA, Surface, target_field
+from .surface import SIGMA, Surface, target_filling
 
 Array = NDArray[np.float64]
-FIT_RADIUS = 3.0  # of the bottom's paraboloid, spacings
-PATCH = 16  # columns of a cell's area, whose heights err together
+FIT_RADIUS = 3.0  # spacings: radius of what the bottom's paraboloid is fitted to
+PATCH = 16  # columns in the area of a cell: their heights err together
 
 
 @dataclass(frozen=True)
 class Crater:
-    """Depth C_p below z = 0 (m), centre of the bottom (x, y; m) and its standard uncertainty along the heading (m); where a
-    closed edge lies around the bottom also the volume (m^3) below z = 0, the mean height of the rim's crest (m), and of the
-    pithead the diameter D_c (m) of the circle of its area, the contour (n, 2; m) h/2 below z = 0, and its ellipse at z = 0;
-    and the rim, where there is one."""
+    """A crater below z = 0, SI.
+
+    `depth` is C_p. `bottom` is the centre (x, y) of the bottom, `bottom_uncertainty` its standard uncertainty along
+    the heading.
+
+    The rest is None unless a closed edge lies around the bottom: `volume` below z = 0; `rim_height`, the mean height
+    of the crest; `diameter` D_c, of the circle of the pithead's area; `contour` (n, 2) of the pithead h/2 below z =
+    0; `pithead`, its ellipse at z = 0. `rim` is None, too, where there is no crest.
+    """
 
     depth: float
     bottom: tuple[float, float]
@@ -38,28 +42,25 @@ class Crater:
 
     @property
     def rim_diameter(self) -> float | None:
-        """From crest to crest, m; None without a rim."""
+        """Return the rim's diameter from crest to crest, m; None without a rim."""
         return self.rim.diameter if self.rim else None
 
 
-def measure_target(
-    position: Array,
-    volume: Array,
-    spacing: float,
-    *,
-    mirrors: Sequence[Mirror] = (),
-    wall: Wall | None = None,
-    level: float = 0.5,
-) -> Crater | None:
-    """Return the crater in the target's points, as for `target_field`, at a level of the fraction; None if there is none."""
-    field = target_field(position, volume, spacing, mirrors=mirrors, wall=wall)
-    return None if field is None else measure_crater(field.surface(level))
+def measure_target(position: Array, volume: Array, setup: Setup, *, level: float = 0.5) -> Crater | None:
+    """Return the crater in the target's points at a `level` of the fraction; None if there is none.
+
+    `position` (n, 3) m, `volume` (n,) m^3 and `setup` are as `target_filling` takes them.
+    """
+    filling = target_filling(position, volume, setup)
+    return None if filling is None else measure_crater(filling.surface(level))
 
 
 def measure_crater(surface: Surface, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
-    """Measure the crater that holds the deepest point of the surface; None if that is less than half a spacing deep, and where
-    there is a hole, which has no depth. `heading`: the unit vector (x, y) that the projectiles move along, which the bottom's
-    uncertainty is for."""
+    """Return the crater that holds the deepest point of the surface.
+
+    None if that is less than half a spacing deep, and if there is a hole, which has no depth. `heading` is the unit
+    vector (x, y) along which the projectiles move; the bottom's uncertainty is along it.
+    """
     if surface.holes.any():
         return None
     floor = floor_of(surface)
@@ -88,27 +89,34 @@ def measure_crater(surface: Surface, heading: tuple[float, float] = (1.0, 0.0)) 
 
 
 def floor_of(surface: Surface) -> Array:
-    """Return the crater's floor (nx, ny), m, without pits of a column or two."""
+    """Return the height (nx, ny), m, of the crater's floor, without pits of a column or two."""
     return _without_pits(_lowest(surface), surface.spacing)
 
 
 def _lowest(surface: Surface) -> Array:
-    """Return the lowest point (nx, ny) of the surface in each column, m: under an overhang it is the crater's floor; about the wall's back
-    in a hole."""
-    above = surface.within.start if surface.holes.any() else 0  # what a hole lets in below is no crater
+    """Return the height (nx, ny), m, of the lowest point of the surface in each column.
+
+    Under an overhang that is the crater's floor. In a hole it is about the height of the wall's back.
+    """
+    above = surface.within.start if surface.holes.any() else 0  # below the wall nothing is a crater
     lowest = above + np.argmax(surface.fraction[:, :, above:] <= 0.5, axis=2)
     return surface.crossing(np.maximum(lowest - 1, 0))
 
 
 def _without_pits(floor: Array, spacing: float) -> Array:
-    """Return the floor with columns more than a spacing below the median of the 5 x 5 around them put to that median."""
+    """Return the floor (nx, ny), m, with pits filled.
+
+    A column more than a spacing below the median of the 5 x 5 columns around it is put to that median.
+    """
     median = ndimage.median_filter(floor, size=5)
     return np.where(floor < median - spacing, median, floor)
 
 
 def _depth(surface: Surface, floor: Array, i: int, j: int) -> float:
-    """Return the depth of the vertex of a paraboloid fitted to the floor around column (i, j), m; the paraboloid's at the column
-    if it has no vertex there."""
+    """Return the depth, m, of the vertex of a paraboloid fitted to the floor around column (i, j).
+
+    If the paraboloid has no vertex there, its depth at the column is returned.
+    """
     radius = FIT_RADIUS * surface.spacing
     dx, dy = np.meshgrid(surface.x - surface.x[i], surface.y - surface.y[j], indexing="ij")
     near = dx**2 + dy**2 <= radius**2
@@ -126,11 +134,11 @@ def _depth(surface: Surface, floor: Array, i: int, j: int) -> float:
 def _bottom(
     surface: Surface, floor: Array, i: int, j: int, depth: float, heading: tuple[float, float]
 ) -> tuple[tuple[float, float], float]:
-    """Return the centre (x, y) of the bowl's bottom around column (i, j) and its standard uncertainty along the heading, m.
+    """Return the centre (x, y; m) of the bottom around column (i, j), and its standard uncertainty along the heading, m.
 
-    The centres of gravity of what lies deeper than .95 and than .9 of the depth are extrapolated to the depth, as the
-    slices of a tilted bowl shift. The vertex of a fit is no use here: the floor of an oblique crater is flat, with
-    grooves a cell apart.
+    The centre of gravity of what lies deeper than .95 of the depth, and of what lies deeper than .9, are extrapolated
+    to the depth, as the slices of a tilted bowl shift. The vertex of a fit would not do: the floor of an oblique
+    crater is flat, with grooves a cell apart.
     """
     (x, y, noise), (x1, y1, noise1) = (
         _deep_centre(surface, floor, i, j, part * depth, heading) for part in (0.95, 0.9)
@@ -141,8 +149,11 @@ def _bottom(
 def _deep_centre(
     surface: Surface, floor: Array, i: int, j: int, depth: float, heading: tuple[float, float]
 ) -> tuple[float, float, float]:
-    """Return the centre of gravity x, y of the bowl around column (i, j) below `depth`, and its standard uncertainty along the heading, m:
-    the height of each patch of a cell is off by SIGMA spacings, independently."""
+    """Return the centre of gravity x, y of what is deeper than `depth` around column (i, j), and its uncertainty, m.
+
+    The standard uncertainty is along the heading. It takes the height of each patch of a cell to be off by SIGMA
+    spacings, independently of the others.
+    """
     excess = -floor - depth
     excess[i, j] = max(excess[i, j], 1e-3 * depth)  # the column itself always counts
     labels, _ = ndimage.label(excess > 0)
@@ -156,7 +167,11 @@ def _deep_centre(
 
 @dataclass(frozen=True)
 class Openings:
-    """What is open below z = 0: the solid fraction there (nx, ny, nz'), and a number for each hollow (0: solid)."""
+    """The space below z = 0 that is open.
+
+    `fraction` (nx, ny, nz') is the solid fraction there. `hollow` has the number of the hollow at each node, 0 for
+    solid.
+    """
 
     surface: Surface
     fraction: Array
@@ -164,15 +179,16 @@ class Openings:
 
     @classmethod
     def of(cls, surface: Surface) -> "Openings":
-        """Return the openings of a surface; slices are its nodes below z = 0."""
+        """Return the openings of a surface. Their slices are the surface's nodes below z = 0."""
         return cls._labelled(surface, surface.fraction[:, :, surface.z < -0.25 * surface.spacing])
 
     def within(self, columns: NDArray[np.bool_]) -> "Openings":
-        """Return what of it is open in some columns (nx, ny); the others count as solid."""
+        """Return what is open in some columns (nx, ny). The others count as solid."""
         return self._labelled(self.surface, np.where(columns[:, :, None], self.fraction, 1.0))
 
     @classmethod
     def _labelled(cls, surface: Surface, fraction: Array) -> "Openings":
+        """Return the openings of a fraction, with a number for each hollow."""
         return cls(surface, fraction, ndimage.label(fraction <= 0.5)[0])
 
     def bowl(self, i: int, j: int) -> "Bowl":
@@ -183,7 +199,10 @@ class Openings:
 
 @dataclass(frozen=True)
 class Pithead:
-    """Where a bowl meets z = 0: contour (n, 2) m, of the slice h/2 below; area (m^2) and ellipse at z = 0."""
+    """The opening of a bowl at z = 0: its area (m^2) and its ellipse.
+
+    `contour` (n, 2), m, is that of the slice h/2 below.
+    """
 
     contour: Array
     area: float
@@ -191,7 +210,10 @@ class Pithead:
 
 
 def _at_zero(values: Array) -> Array:
-    """Return what values (n, m) in slices 1, 2 ... steps below z = 0 are there, by straight lines."""
+    """Return what values (n, m) would be at z = 0, by straight lines.
+
+    They are those of the slices 1, 2, ... n node distances below z = 0.
+    """
     if len(values) == 1:
         return np.asarray(values[0])
     depth = np.arange(1, len(values) + 1)
@@ -200,14 +222,14 @@ def _at_zero(values: Array) -> Array:
 
 @dataclass(frozen=True)
 class Bowl:
-    """One hollow of a surface: all others count as filled."""
+    """One hollow of a surface. All others count as filled."""
 
     of: Openings
     number: int
 
     @property
     def slices(self) -> int:
-        """How many there are, the last one half a point spacing below z = 0."""
+        """Return how many slices there are. The last one is half a point spacing below z = 0."""
         return int(self.of.fraction.shape[2])
 
     def slice(self, k: int) -> Array:
@@ -220,16 +242,17 @@ class Bowl:
     def pithead(self, depth: float) -> "Pithead | None":
         """Return the pithead of a bowl `depth` (m) deep; None if it is open at the edge.
 
-        At z = 0 itself an untouched surface is on the level too. So area and centre are taken in the slices from h/2 down
-        to 5h/2, or half the depth, and carried on to z = 0 along straight lines; a paraboloid's are straight. The axes' ratio
-        and direction are the mean of these slices: parallel sections of an ellipsoid are alike.
+        At z = 0 itself the fraction of an untouched surface is one half, too, so no contour can be taken there. Area
+        and centre are taken in the slices from h/2 down to 5h/2, or to half the depth, and carried on to z = 0 along
+        straight lines; those of a paraboloid are straight. The axes' ratio and direction are the mean of these
+        slices: parallel sections of an ellipsoid are alike.
         """
         surface, top = self.of.surface, self.slice(self.slices - 1)
         contour = largest_contour(top)
         if open_at_edge(top) or contour is None:
             return None
-        steps = min(max(1, min(5, int(depth / surface.spacing))), self.slices)
-        lines = [contour, *(largest_contour(self.slice(self.slices - 1 - n)) for n in range(1, steps))]
+        count = min(max(1, min(5, int(depth / surface.spacing))), self.slices)
+        lines = [contour, *(largest_contour(self.slice(self.slices - 1 - n)) for n in range(1, count))]
         found = [polygon_moments(line) for line in lines if line is not None]
         area = float(_at_zero(np.array([m.area for m in found])))
         if area <= 0:  # a pit that widens below z = 0 so much that it has no opening
@@ -237,15 +260,18 @@ class Bowl:
         centre = _at_zero(np.array([m.centre for m in found]))
         shape = np.mean([m.covariance / m.area for m in found], axis=0)
         shape = with_area(shape, area)
-        step, corner = surface.spacing / 2, np.array([surface.x[0], surface.y[0]])
-        ellipse = ellipse_of(corner + centre * step, shape * step**2)
-        return Pithead(corner + contour * step, area * step**2, ellipse)
+        apart, corner = surface.node_distance, np.array([surface.x[0], surface.y[0]])
+        ellipse = ellipse_of(corner + centre * apart, shape * apart**2)
+        return Pithead(corner + contour * apart, area * apart**2, ellipse)
 
     def volume(self, depth: float, area: float) -> float:
-        """Return the integral of the slices' areas from z = 0 (the pithead's `area`) to -depth, m^3."""
+        """Return the volume below z = 0, m^3: the integral of the slices' areas down to -depth (m).
+
+        `area` (m^2) is the pithead's, at z = 0.
+        """
         heights = self.of.surface.z[: self.slices]
-        cell = (self.of.surface.spacing / 2) ** 2
+        square = self.of.surface.node_distance**2
         kept = [k for k in range(self.slices) if heights[k] > -depth]
-        areas = [contour_area(self.slice(k)) * cell for k in kept]
+        areas = [contour_area(self.slice(k)) * square for k in kept]
         z = [-depth, *(float(heights[k]) for k in kept), 0.0]
         return float(np.trapezoid([0.0, *areas, area], z))

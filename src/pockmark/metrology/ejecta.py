@@ -1,4 +1,4 @@
-"""What an impact throws out: the material that hangs no longer together with the rest and moves away.
+"""The ejecta: material that no longer hangs together with the rest and moves away.
 
 docs/metrology.md says which mass counts. All figures are of the whole impact: what symmetry planes hide is counted.
 """
@@ -19,8 +19,11 @@ SPEED_BINS, ANGLE_BINS = 16, 9
 
 @dataclass(frozen=True)
 class Ejecta:
-    """Mass kg, momentum (3,) kg m/s, kinetic energy J of the ejecta in the grid; histograms of their mass (kg) over
-    speed (edges m/s) and over the angle from the surface's normal (edges rad)."""
+    """The ejecta in the grid: mass kg, momentum (3,) kg m/s, kinetic energy J, and histograms of their mass.
+
+    `mass_by_speed` (kg) has the edges `speed_edges` (m/s). `mass_by_angle` (kg) has the edges `angle_edges` (rad),
+    the angles from the surface's normal.
+    """
 
     mass: float
     momentum: Array
@@ -32,8 +35,11 @@ class Ejecta:
 
 
 def find_ejecta(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Ejecta:
-    """Return the points, of target and projectile alike, that are detached and move upwards (v_z > 0): from the largest piece of
-    each wall, or of everything where no walls are told."""
+    """Return the ejecta in a snapshot: the points that are detached and move upwards (v_z > 0).
+
+    The target's and the projectile's points count alike. Detached means off the largest piece of each wall, or of
+    everything if the setup has no walls.
+    """
     velocity, mass = snapshot["velocity"], snapshot["mass"]
     owner = None
     if setup.walls is not None:
@@ -54,7 +60,10 @@ def find_ejecta(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Ejecta:
 
 
 def whole_momentum(momentum: Array, mirrors: Sequence[Mirror]) -> Array:
-    """Return a momentum without the components across symmetry planes, which the mirror image takes back."""
+    """Return a momentum (3,) of the whole impact, kg m/s, given that of it without what mirrors hide.
+
+    Its components across symmetry planes are 0, for the mirror image has the opposite ones.
+    """
     out = np.array(momentum, dtype=float)
     for mirror in mirrors:
         out[mirror.axis] = 0.0
@@ -62,5 +71,8 @@ def whole_momentum(momentum: Array, mirrors: Sequence[Mirror]) -> Array:
 
 
 def enhancement(ejected: float, projectile: float) -> float | None:
-    """Return beta = 1 + p_ejecta,z / p_projectile,z, both positive: out of the target, into it; None without a projectile's."""
+    """Return beta = 1 + ejected/projectile, from the ejecta's momentum out of the target and the projectile's into it.
+
+    Both are in kg m/s. None where the projectile has none.
+    """
     return 1 + ejected / projectile if projectile > 0 else None

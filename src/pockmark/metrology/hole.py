@@ -1,4 +1,4 @@
-"""What a hole through a wall measures. The definitions are in docs/metrology.md."""
+"""The measures of a hole through a wall. The definitions are in docs/metrology.md."""
 
 import math
 from dataclasses import dataclass
@@ -13,8 +13,11 @@ from .surface import Surface
 
 @dataclass(frozen=True)
 class Hole:
-    """How many holes there are, and of the one whose narrowest section is the widest that section: least width and
-    diameter of the circle of its area (m), place (x, y, z; m). None where every hole reaches the edge of the field."""
+    """The holes of a wall, and the widest one's narrowest section.
+
+    `count` is how many holes there are. `width` is the section's least width, `diameter` that of the circle of its
+    area, `place` its centre (x, y, z), all in m. These are None if every hole reaches the edge of what is computed.
+    """
 
     count: int
     width: float | None
@@ -23,7 +26,7 @@ class Hole:
 
 
 def measure_hole(surface: Surface) -> Hole | None:
-    """Return the holes of a wall whose back is free; None if there is none."""
+    """Return the holes of a wall whose back is free; None if there are none."""
     numbers = surface.holes
     if surface.is_backed or not numbers.any():
         return None
@@ -38,7 +41,10 @@ def measure_hole(surface: Surface) -> Hole | None:
 
 
 def _neck(openings: Openings, number: int) -> tuple[int, Ellipse] | None:
-    """Return the slice where a hole's section is least wide, and the section's ellipse, m; None if a section is open at the edge."""
+    """Return the slice in which a hole's section is narrowest, and that section's ellipse, m.
+
+    None if a section is open at the edge.
+    """
     surface, bowl = openings.surface, Bowl(openings, number)
     sections = []
     for k in range(bowl.slices):
@@ -47,6 +53,6 @@ def _neck(openings: Openings, number: int) -> tuple[int, Ellipse] | None:
         if open_at_edge(fraction) or contour is None:
             return None
         corner = np.array([surface.x[0], surface.y[0]])
-        of = polygon_moments(corner + contour * surface.spacing / 2)
+        of = polygon_moments(corner + contour * surface.node_distance)
         sections.append((k, ellipse_of(of.centre, with_area(of.covariance, of.area))))
     return min(sections, key=lambda section: section[1].minor, default=None)

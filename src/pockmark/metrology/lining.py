@@ -1,4 +1,4 @@
-"""The projectile's material that is left in the crater."""
+"""The lining: the projectile's material that is left in the crater."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -13,8 +13,11 @@ from .surface import with_images
 
 
 def lining(snapshot: Mapping[str, NDArray[Any]], crater: Crater, setup: Setup) -> tuple[float, float]:
-    """Return the mass (kg, of the whole impact) of the projectile below z = 0 within the pithead, and thickness (m) at the bottom: the
-    volume of its points within three spacings of the bottom, seen from above, over that circle's area."""
+    """Return the lining's mass (kg, of the whole impact) and its thickness at the bottom (m).
+
+    The mass is that of the projectile's points below z = 0 within the pithead. The thickness is the volume of those
+    below z = 0 within three spacings of the bottom, seen from above, over the area of that circle.
+    """
     left = np.isin(snapshot["body"], setup.projectiles) & (snapshot["position"][:, 2] < 0)
     position = snapshot["position"][left]
     amounts = np.stack([snapshot[key][left] for key in ("mass", "volume")], axis=1)

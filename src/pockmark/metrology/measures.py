@@ -10,9 +10,9 @@ from ..base.geometry import Setup
 from . import cautions, results
 from .hole import measure_hole
 from .morphology import group_of
-from .surface import Field, Surface
+from .surface import Filling, Surface
 
-# What a measure makes of absurd fields is no number then: null in the table, and a sentence, not a warning of NumPy's.
+# From absurd values a measure makes no number, which is null in the table. NumPy need not warn of it.
 UNWARNED = np.errstate(all="ignore")
 History = Mapping[str, NDArray[np.float64]]
 
@@ -25,17 +25,21 @@ def measures(
     counters: Mapping[str, int],
     history: History,
 ) -> dict[str, Any]:
-    """Return the tables crater, energy, run, counters, ejecta and, of a swarm, group, and the warnings of a state in a snapshot."""
-    field = results.field_of(snapshot, setup)
-    surface = surface_of(field)
+    """Return the tables of a state in a snapshot: crater, energy, run, counters, ejecta, warnings.
+
+    A swarm has a table `group`, too. `ledger`, `run` and `counters` are those of the same state, `history` the
+    columns up to it.
+    """
+    filling = results.filling_of(snapshot, setup)
+    surface = surface_of(filling)
     crater = results.crater_of(surface, setup.heading)
     hole = None if surface is None else measure_hole(surface)
     is_open = surface is not None and bool(surface.holes.any())
     table = results.result_table(crater, float(snapshot["time"][0]), setup, ledger, run, counters)
-    table["crater"] |= results.morphology_table(snapshot, field, crater, setup)
+    table["crater"] |= results.morphology_table(snapshot, filling, crater, setup)
     no_wall = [*cautions.missing(snapshot, setup)]
     is_told = not no_wall and (hole is not None or not is_open)
-    table["crater"] |= results.hole_table(field, hole) if is_told else dict.fromkeys(results.HOLE)
+    table["crater"] |= results.hole_table(filling, hole) if is_told else dict.fromkeys(results.HOLE)
     change = table["crater"]["depth_change_last_tenth"] = _late_change(history)
     if group := group_of(surface, setup):
         table["group"] = results.group_table(group, setup)
@@ -52,14 +56,16 @@ def measures(
     return table
 
 
-def surface_of(field: Field | None) -> Surface | None:
-    """Return the surface in a field; None of nothing."""
-    return None if field is None else field.surface()
+def surface_of(filling: Filling | None) -> Surface | None:
+    """Return the surface of a filling; None where there is no filling."""
+    return None if filling is None else filling.surface()
 
 
 def worst_error(history: History) -> tuple[float, float | None] | None:
-    """Return the largest ledger error of a history, as a share of the initial energy, and its time (s), None where no time is known;
-    None where there is no initial energy."""
+    """Return the largest ledger error of a history, as a share of the initial energy, and its time, s.
+
+    The time is None if the history has none. All is None if there is no initial energy.
+    """
     if not {"error", "initial"} <= history.keys():
         return None
     initial = history["initial"]
@@ -71,7 +77,10 @@ def worst_error(history: History) -> tuple[float, float | None] | None:
 
 
 def _late_change(history: History) -> float | None:
-    """Return the change of the depth in the last tenth of a history, where it has a time and a depth."""
+    """Return how much the depth changed in the last tenth of a history, as a share.
+
+    None if the history lacks the time or the depth.
+    """
     if not {"time", "depth"} <= history.keys():
         return None
     return results.depth_change(history["time"], history["depth"])

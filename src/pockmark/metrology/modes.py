@@ -1,14 +1,14 @@
-"""The mode of a group of craters, by rules: Liu et al. 2015, Figs. 17 and 18, found there by eye.
+"""The mode of a group of craters, by rules. Liu et al. 2015, Figs. 17 and 18, found the modes by eye.
 
-| mode, normal | oblique | |
+| normal impact | oblique | what is so |
 |---|---|---|
 | I | I | the craters are apart and alike |
 | II | II | most neighbours along either direction touch, or inside craters differ from outside ones in size or shape |
-| | III | inside ones are no ellipses any more |
+| | III | inside craters are no ellipses any more |
 | | IV | nor are outside ones |
-| III | V | most neighbours along the scraping direction are linked (normal impact: along either) |
-| | VI | and most along the other direction |
-| IV | VII | most ridges are gone: one bottom |
+| III | V | most neighbours along the scraping direction are linked (in a normal impact: along either) |
+| | VI | and so are most along the other direction |
+| IV | VII | most ridges are gone: there is one bottom |
 """
 
 from collections.abc import Mapping, Sequence
@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import connected_components
 
 from .morphology import Group, Pit, Ridge
 
-# The same for every run; docs/metrology.md says where each comes from.
+# They are the same for every run; docs/metrology.md says where each comes from.
 THRESHOLDS = {
     "touching_along": 0.5,
     "touching_across": 0.5,
@@ -30,16 +30,19 @@ THRESHOLDS = {
     "irregular_inside": 0.05,
     "irregular_outside": 0.05,
 }
-LEVEL = 0.1  # a ridge, or a rim, lower than this share of the depth is gone
+LEVEL = 0.1  # share of the depth: a ridge, or the ground between two rims, that is no higher counts as level
 LINK = 0.5  # craters are linked where their ridge is lower than this share of the depth: chosen to agree with Table 4
 ROMAN = ("I", "II", "III", "IV", "V", "VI", "VII")
 
 
 @dataclass(frozen=True)
 class Measures:
-    """What decides the mode. Shares of the pairs of neighbours along the scraping direction and across that touch, and that
-    are linked, and of all ridges that are levelled; how far inside craters differ from outside ones in an axis or in the axes' ratio;
-    median distance from an ellipse over the mean radius of inside and of outside craters."""
+    """The measures that decide a group's mode. docs/metrology.md has their definitions.
+
+    `touching_...` and `linked_...` are shares of the pairs of neighbours, along the scraping direction and across it;
+    `levelled` is a share of all ridges. `unlike` is how far inside craters differ from outside ones in an axis or in
+    the ratio of the axes. `irregular_...` is the median distance of a pithead from its ellipse over its mean radius.
+    """
 
     touching_along: float
     touching_across: float
@@ -53,7 +56,10 @@ class Measures:
 
 @dataclass(frozen=True)
 class Mode:
-    """A mode, 1 and up, and the nearest other one: it would be that if one measure changed by `distance` thresholds."""
+    """A group's mode, counted from 1, and the nearest other mode.
+
+    The group would have the nearest mode if one measure changed by `distance` times its threshold.
+    """
 
     number: int
     nearest: int
@@ -61,12 +67,16 @@ class Mode:
 
     @property
     def roman(self) -> str:
-        """As the paper numbers them."""
+        """Return the mode's number as the paper writes it."""
         return ROMAN[self.number - 1]
 
 
 def measures_of(group: Group, heading: tuple[float, float] = (1.0, 0.0)) -> Measures:
-    """Return the measures of a group with two craters or more; of x and y the one nearer to the `heading` (unit vector) is along."""
+    """Return the measures of a group of two craters or more.
+
+    `heading` is a unit vector (x, y). Along the scraping direction means along the axis, x or y, that is nearer to
+    it.
+    """
     inside, outside = _by_place(group)
     directions = ("x", "y") if abs(heading[0]) >= abs(heading[1]) else ("y", "x")
     along, across = ([ridge for ridge in group.ridges if ridge.along == d] for d in directions)
@@ -83,7 +93,7 @@ def measures_of(group: Group, heading: tuple[float, float] = (1.0, 0.0)) -> Meas
 
 
 def mode_of(measures: Measures, *, oblique: bool) -> Mode:
-    """Return the mode, and how near the next one is."""
+    """Return the mode that the measures decide, and how near the next one is."""
     is_over = {name: value > THRESHOLDS[name] for name, value in asdict(measures).items()}
     number = _number(is_over, oblique)
     others = []
@@ -96,6 +106,7 @@ def mode_of(measures: Measures, *, oblique: bool) -> Mode:
 
 
 def _number(is_over: Mapping[str, bool], oblique: bool) -> int:
+    """Return a mode's number, given which measures are over their thresholds."""
     if is_over["levelled"]:
         return 7 if oblique else 4
     if not oblique:
@@ -108,22 +119,24 @@ def _number(is_over: Mapping[str, bool], oblique: bool) -> int:
 
 
 def _second(is_over: Mapping[str, bool]) -> int:
+    """Return mode 2 if craters touch or differ, or else mode 1."""
     return 2 if is_over["touching_along"] or is_over["touching_across"] or is_over["unlike"] else 1
 
 
 def _touch(group: Group, ridge: Ridge) -> bool:
-    """Return whether two craters share a hollow, or their rims have become one."""
+    """Return whether two craters share a hollow, or their two rims have become one."""
     _, deeper = _depths(group, ridge)
     return ridge.height < -group.spacing / 2 or ridge.saddle < LEVEL * deeper < ridge.rim
 
 
 def _is_linked(group: Group, ridge: Ridge) -> bool:
+    """Return whether the ridge between two craters is lower than LINK times the shallower one's depth."""
     shallower, _ = _depths(group, ridge)
     return ridge.height < -LINK * shallower
 
 
 def bottoms_of(group: Group) -> int:
-    """Return how many separate bottoms there are: craters with a levelled ridge between them have one."""
+    """Return how many separate bottoms a group has: craters with a levelled ridge between them share one."""
     if not (n := len(group.pits)):
         return 0
     joined = np.zeros((n, n), dtype=bool)
@@ -133,16 +146,21 @@ def bottoms_of(group: Group) -> int:
 
 
 def _is_levelled(group: Group, ridge: Ridge) -> bool:
+    """Return whether the ridge between two craters has come down to the shallower one's bottom."""
     shallower, deeper = _depths(group, ridge)
     return ridge.height + shallower < LEVEL * deeper
 
 
 def _depths(group: Group, ridge: Ridge) -> list[float]:
+    """Return the depths of the two craters at a ridge, m, the shallower one first."""
     return sorted(group.pits[i].depth for i in ridge.pair)
 
 
 def _by_place(group: Group) -> tuple[list[Pit], list[Pit]]:
-    """Return the craters with the most neighbours, and those with the fewest; all for both where all have as many."""
+    """Return the craters with the most neighbours, and those with the fewest.
+
+    If all have as many, both lists hold all.
+    """
     neighbours = np.zeros(len(group.pits), dtype=int)
     for ridge in group.ridges:
         neighbours[list(ridge.pair)] += 1
@@ -154,7 +172,10 @@ def _by_place(group: Group) -> tuple[list[Pit], list[Pit]]:
 
 
 def _difference(inside: Sequence[Pit], outside: Sequence[Pit]) -> float:
-    """Return the difference of the median axes and of their ratio, as a share of the outside ones."""
+    """Return the largest relative difference of inside and outside craters.
+
+    Compared are the medians of the major axis, of the minor axis, and of their ratio. 0 if either have no ellipse.
+    """
     shapes = [
         np.median([(e.major, e.minor, e.major / e.minor) for p in pits if (e := p.ellipse)], axis=0)
         for pits in (inside, outside)
@@ -164,6 +185,7 @@ def _difference(inside: Sequence[Pit], outside: Sequence[Pit]) -> float:
 
 
 def _irregularity(pits: Sequence[Pit]) -> float:
+    """Return the median of the craters' distance from their ellipses over the mean radius; 0 of none."""
     found = [
         p.residual / ((p.ellipse.major + p.ellipse.minor) / 4)
         for p in pits
@@ -173,4 +195,5 @@ def _irregularity(pits: Sequence[Pit]) -> float:
 
 
 def _share(of: Sequence[bool]) -> float:
+    """Return the share of what is true; 0 of nothing."""
     return sum(of) / len(of) if of else 0.0

@@ -1,4 +1,4 @@
-"""What a group of craters looks like: their pitheads, bottoms, and the ridges between neighbours.
+"""The shape of a group of craters: pitheads, bottoms, and the ridges between neighbours.
 
 The definitions, and the thresholds of the modes, are in docs/metrology.md.
 """
@@ -21,15 +21,20 @@ from .ellipse import Ellipse, ellipse_of
 from .surface import Surface, with_image
 
 Array = NDArray[np.float64]
-SMOOTH = 1.4  # nodes: the deviation of the Gaussian that the floor is smoothed with to find bottoms; it would level ridges
+SMOOTH = (
+    1.4  # nodes: deviation of the Gaussian that smooths the floor to find bottoms; ridges are not smoothed
+)
 
 
 @dataclass(frozen=True)
 class Pit:
-    """One crater of a group: place of its lowest point (x, y; m), depth below z = 0 (m), roughness of its bottom (m), the
-    number of its hollow, which joined craters share, contour (n, 2; m) of its pithead h/2 below z = 0, the pithead's
-    ellipse at z = 0, and the root mean square distance (m) of the contour from its own; no pithead where it is open at
-    the edge."""
+    """One crater of a group, SI.
+
+    `place` (x, y) is its lowest point, `depth` that point's depth below z = 0, `roughness` the root mean square of
+    what smoothing takes from its bottom. `hollow` is the number of its hollow, which joined craters share. `contour`
+    (n, 2) is its pithead's h/2 below z = 0, `ellipse` the pithead's at z = 0, `residual` the root mean square
+    distance of the contour from its own ellipse. The last three are None if the pithead is open at the edge.
+    """
 
     place: tuple[float, float]
     depth: float
@@ -42,8 +47,11 @@ class Pit:
 
 @dataclass(frozen=True)
 class Ridge:
-    """Between two neighbouring craters (their numbers): height (m) of its lowest pass above z = 0, negative below; and on
-    the line from bottom to bottom height (m) of the lower of the two rims, and how far (m) the ground between lies below it."""
+    """The ridge between two neighbouring craters, `pair` their numbers, m.
+
+    `height` is that of its lowest pass above z = 0, negative below. `rim` is the height of the lower of the two rims
+    on the line from bottom to bottom, `saddle` how far the ground between the rims lies below it.
+    """
 
     pair: tuple[int, int]
     along: str  # "x" or "y"
@@ -54,8 +62,10 @@ class Ridge:
 
 @dataclass(frozen=True)
 class Group:
-    """The craters of a group and the ridges between neighbours; point spacing m; how many balls went through the wall, or
-    came to its back where that is not computed: they have no crater."""
+    """The craters of a group, and the ridges between neighbours; `spacing` is that of the points, m.
+
+    `holes` is how many balls went through the wall, or came to its back if that is not computed: they have no crater.
+    """
 
     pits: list[Pit]
     ridges: list[Ridge]
@@ -64,7 +74,7 @@ class Group:
 
 
 def group_of(surface: Surface | None, setup: Setup) -> Group | None:
-    """Return the craters of a scene's swarm in the surface that it left; None without a swarm or a crater."""
+    """Return the craters that a scene's swarm left in the surface; None without a swarm or a surface."""
     if surface is None or not setup.hits:
         return None
     hits = np.array(setup.hits)
@@ -74,8 +84,11 @@ def group_of(surface: Surface | None, setup: Setup) -> Group | None:
 
 
 def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
-    """Return the craters nearest to where the balls hit: `centers` (n, 2) of all balls, mirror images included, and the distance
-    of neighbours, m. Places without a crater deeper than half a spacing are left out."""
+    """Return the craters nearest to where the balls hit.
+
+    `centers` (n, 2) are the places of all balls, mirror images included, `pitch` is the distance of neighbours, m. A
+    place without a crater deeper than half a spacing is left out.
+    """
     floor = floor_of(surface)
     smooth = ndimage.gaussian_filter(floor, SMOOTH)
     through = np.asarray(surface.holes.any(axis=2))
@@ -103,14 +116,14 @@ def measure_group(surface: Surface, centers: Array, pitch: float) -> Group:
 def _pits(
     surface: Surface, floor: Array, smooth: Array, basins: NDArray[np.int32], places: list[tuple[int, int]]
 ) -> list[Pit]:
-    """Return the craters with their lowest points in these columns, and the basins 1, 2, ... around them."""
+    """Return the craters with their lowest points in given columns, and with the basins 1, 2, ... around them."""
     openings = Openings.of(surface)
     bowls = [openings.bowl(*ij) for ij in places]
     shared = Counter(bowl.number for bowl in bowls)
     pits = []
     for label, ((i, j), bowl) in enumerate(zip(places, bowls, strict=True), 1):
         depth = -float(smooth[i, j])
-        # Of a hollow that craters share, each has what lies in its own basin.
+        # Where craters share a hollow, each has what lies in its own basin.
         own = openings.within(basins == label).bowl(i, j) if shared[bowl.number] > 1 else bowl
         roughness = _roughness((floor - smooth)[(basins == label) & (smooth < -depth / 2)])
         place = (float(surface.x[i]), float(surface.y[j]))
@@ -119,7 +132,10 @@ def _pits(
 
 
 def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -> tuple[int, int] | None:
-    """Return the column of the lowest point of the floor within `radius` of a place; None off the surface."""
+    """Return the column of the floor's lowest point within `radius` (m) of a place; None off the surface.
+
+    The radius is measured along x and along y.
+    """
     dx, dy = np.meshgrid(surface.x - center[0], surface.y - center[1], indexing="ij")
     near = np.maximum(abs(dx), abs(dy)) <= radius
     if not near.any():
@@ -129,11 +145,12 @@ def _lowest_near(surface: Surface, floor: Array, center: Array, radius: float) -
 
 
 def _roughness(deviation: Array) -> float:
-    """Return the root mean square of what smoothing takes from a bottom; 0 of nothing."""
+    """Return the root mean square of what smoothing takes from a bottom, m; 0 of nothing."""
     return float(np.sqrt(np.mean(deviation**2))) if deviation.size else 0.0
 
 
 def _outline(pithead: Pithead | None) -> tuple[Array | None, Ellipse | None, float | None]:
+    """Return the contour, the ellipse and the residual of a pithead; None for each if there is none."""
     if pithead is None:
         return None, None, None
     own = polygon_moments(pithead.contour)
@@ -142,7 +159,7 @@ def _outline(pithead: Pithead | None) -> tuple[Array | None, Ellipse | None, flo
 
 
 def _direction(apart: Array, pitch: float) -> str:
-    """Return the axis along which two balls are neighbours; empty if they are not."""
+    """Return the axis along which two balls are neighbours, "x" or "y"; empty if they are not."""
     for axis, name in enumerate("xy"):
         if abs(abs(apart[axis]) - pitch) < 0.5 * pitch and abs(apart[1 - axis]) < 0.5 * pitch:
             return name
@@ -150,7 +167,7 @@ def _direction(apart: Array, pitch: float) -> str:
 
 
 def _pass(floor: Array, basins: NDArray[np.int32], a: int, b: int) -> float | None:
-    """Return the lowest height at which one gets from a basin to another directly; None if they do not touch."""
+    """Return the lowest height, m, of the border between two basins; None if they do not touch."""
     lowest = math.inf
     for axis in (0, 1):
         first, second = (np.take(basins, range(n, basins.shape[axis] - 1 + n), axis=axis) for n in (0, 1))
@@ -164,7 +181,10 @@ def _pass(floor: Array, basins: NDArray[np.int32], a: int, b: int) -> float | No
 def _rims(
     surface: Surface, floor: Array, a: tuple[float, float], b: tuple[float, float]
 ) -> tuple[float, float]:
-    """Return the height of the lower rim on the line between two places, and how far the ground between the rims lies below it."""
+    """Return the height of the lower of two rims, and how far the ground between them lies below it, m.
+
+    The rims are the highest points of the two halves of the line between two places (x, y; m).
+    """
     place = np.linspace(a, b, len(surface.x))
     height = interpn((surface.x, surface.y), floor, place)
     half = len(height) // 2

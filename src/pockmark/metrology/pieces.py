@@ -1,4 +1,4 @@
-"""What hangs together: pieces of solid and void in an array of nodes or cells."""
+"""Pieces of solid and void that hang together, in an array of nodes or cells."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -10,8 +10,14 @@ from scipy import ndimage
 Array = NDArray[np.float64]
 
 
-def filling(position: Array, volume: Array, lower: Array, width: Array, shape: Sequence[int]) -> Array:
-    """Return the share (shape) of each cell lower + i width that the points fill; points elsewhere do not count."""
+def filling_of_cells(
+    position: Array, volume: Array, lower: Array, width: Array, shape: Sequence[int]
+) -> Array:
+    """Return the share (shape) of each cell that the points fill.
+
+    Cell i begins at lower + i width, m. `position` is (n, 3) m, `volume` (n,) m^3. Points outside the cells do not
+    count.
+    """
     cell = np.floor((position - lower) / width).astype(np.int64)
     inside = np.all((cell >= 0) & (cell < np.array(shape)), axis=1)
     flat = np.ravel_multi_index(tuple(cell[inside].T), tuple(shape))
@@ -20,7 +26,7 @@ def filling(position: Array, volume: Array, lower: Array, width: Array, shape: S
 
 
 def largest_piece(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return the largest connected piece of what is solid; nothing of nothing."""
+    """Return the largest connected piece of what is solid; nothing if nothing is solid."""
     labels, count = ndimage.label(solid)
     if count == 0:
         return np.zeros_like(solid)
@@ -28,11 +34,12 @@ def largest_piece(solid: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 
 def outside(fraction: Array) -> Array:
-    """Return the fraction with only the voids that are open to the top, and then only the solid that hangs together.
+    """Return the fraction with only the voids that are open to the top, and only the solid that hangs together.
 
-    A cube two nodes (one point spacing) wide decides both: what is narrower, clefts between the points of a stretched
-    wall, is filled, and what hangs on by less, debris on the rim, is off. Points resolve neither. A last node lets the
-    cube see into the corners that it leaves.
+    A cube two nodes (one point spacing) wide decides both. A void into which it does not get from the top is filled,
+    such as a cleft between the points of a stretched wall. Solid that hangs on by less than the cube is taken off,
+    such as debris on the rim. Points resolve neither. A part that the cube reaches includes one node more, so that
+    the corners that a cube leaves are in it.
     """
     solid = fraction > 0.5
     fraction = np.where(solid & ~largest_piece(solid), 0.0, fraction)
@@ -45,14 +52,19 @@ def outside(fraction: Array) -> Array:
 def attached(
     position: Array, volume: Array, spacing: float, owner: NDArray[Any] | None = None
 ) -> NDArray[np.bool_]:
-    """Return whether each point (n,) is in or next to what hangs together: of cells, two spacings wide, more than half full, the
-    piece that holds most of all, or of each `owner` (n,), those below 0 left out: a wall behind another is no debris."""
+    """Return whether each point (n,) is in or next to a largest piece of what hangs together.
+
+    Pieces are made of cells, two spacings wide, more than half full. With `owner` (n,) the largest piece of each
+    owner counts: a wall behind another is no debris. Points with an owner below 0 have no piece.
+    """
     if len(position) == 0:
         return np.zeros(0, dtype=bool)
     width = np.full(3, 2 * spacing)
     lower = np.floor(position.min(axis=0) / width) * width - width
     cell = np.floor((position - lower) / width).astype(np.int64)
-    pieces, count = ndimage.label(filling(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5)
+    pieces, count = ndimage.label(
+        filling_of_cells(position, volume, lower, width, cell.max(axis=0) + 2) > 0.5
+    )
     of_point = pieces[tuple(cell.T)]
     owner = np.zeros(len(position), dtype=int) if owner is None else owner
     largest: list[int] = []
@@ -67,10 +79,10 @@ def attached(
 def _reached_by_cube(
     place: NDArray[np.bool_], choose: Callable[[NDArray[np.bool_]], NDArray[np.bool_]]
 ) -> NDArray[np.bool_]:
-    """Return the part of a place that a cube reaches.
+    """Return the part of a place, solid or void, that a cube of 3 x 3 x 3 nodes reaches.
 
-    The cube fits into the place at some nodes; `choose` takes those where it may be. It reaches what it covers there, and
-    one node more.
+    The cube fits into the place around some nodes; `choose` takes those of them where it may be. It reaches the nodes
+    that it covers there, and one node more.
     """
     cube = np.ones((3, 3, 3))
     centres = choose(ndimage.binary_erosion(place, cube, border_value=1))
@@ -78,5 +90,6 @@ def _reached_by_cube(
 
 
 def _open_to_the_top(place: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the part of a place that is connected to its uppermost nodes."""
     labels, _ = ndimage.label(place)
     return np.isin(labels, np.setdiff1d(labels[:, :, -1], 0))

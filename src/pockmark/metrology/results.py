@@ -1,4 +1,4 @@
-"""A run's results as numbers with stable keys, SI."""
+"""The results of a run as numbers with stable keys, SI."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -16,7 +16,7 @@ from .hole import Hole, measure_hole
 from .lining import lining
 from .modes import bottoms_of, measures_of, mode_of
 from .morphology import Group, Pit
-from .surface import Field, Surface, target_field
+from .surface import Filling, Surface, target_filling
 from .uncertainty import LEVELS, half_difference, uncertainties
 
 SHAPE = (
@@ -44,18 +44,24 @@ EJECTA = (
 )
 
 
-def field_of(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Field | None:
-    """Return the wall near its crater in a snapshot of all points; None if nothing of it is open, or the points are no longer anywhere."""
+def filling_of(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Filling | None:
+    """Return the filling of the wall near its crater in a snapshot of all points.
+
+    None if no wall can be measured, if nothing of it is open, or if a point has no place.
+    """
     wall = setup.wall
     if wall is None or wall.layers < LEAST_LAYERS or misplaced(snapshot):
         return None
     is_target = np.isin(snapshot["body"], wall.bodies)
     position, volume = snapshot["position"][is_target], snapshot["volume"][is_target]
-    return target_field(position, volume, wall.spacing, mirrors=setup.mirrors, wall=wall)
+    return target_filling(position, volume, setup)
 
 
 def misplaced(snapshot: Mapping[str, NDArray[Any]]) -> int:
-    """Return how many points have a place, velocity, volume or mass that is no number: then nothing can be measured."""
+    """Return how many points have a place, velocity, volume or mass that is no number.
+
+    With one such point, nothing can be measured.
+    """
     known = np.isfinite(snapshot["volume"]) & np.isfinite(snapshot["mass"])
     known &= np.isfinite(snapshot["position"]).all(axis=1) & np.isfinite(snapshot["velocity"]).all(axis=1)
     return int(np.count_nonzero(~known))
@@ -68,16 +74,16 @@ def crater_of(surface: Surface | None, heading: tuple[float, float] = (1.0, 0.0)
 
 def morphology_table(
     snapshot: Mapping[str, NDArray[Any]],
-    field: Field | None,
+    filling: Filling | None,
     crater: Crater | None,
     setup: Setup,
 ) -> dict[str, Any]:
-    """Return the crater's shape, lining and uncertainties, SI; None for what there is not."""
+    """Return the crater's shape, lining and uncertainties, SI; None for each that does not exist."""
     shape: dict[str, Any] = dict.fromkeys(SHAPE)
-    if field is None or crater is None:
+    if filling is None or crater is None:
         return shape
     mass, thickness = lining(snapshot, crater, setup)
-    low, high = (measure_crater(field.surface(level), setup.heading) for level in LEVELS)
+    low, high = (measure_crater(filling.surface(level), setup.heading) for level in LEVELS)
     shape |= {
         "bottom_x": crater.bottom[0],
         "bottom_y": crater.bottom[1],
@@ -99,13 +105,15 @@ def morphology_table(
     return shape
 
 
-def hole_table(field: Field | None, hole: Hole | None) -> dict[str, Any]:
-    """Return the holes in the wall, and the widest one's least section, SI; the `uncertainty` of its widths. Of a wall: without one,
-    or where a hole cannot be told from a crater, nothing is known."""
+def hole_table(filling: Filling | None, hole: Hole | None) -> dict[str, Any]:
+    """Return the number of holes in the wall, and the widest one's narrowest section, SI.
+
+    `uncertainty` has those of its widths.
+    """
     table: dict[str, Any] = dict.fromkeys(HOLE) | {"perforated": hole is not None, "holes": 0}
-    if field is None or hole is None:
+    if filling is None or hole is None:
         return table
-    low, high = (measure_hole(field.surface(level)) for level in LEVELS)
+    low, high = (measure_hole(filling.surface(level)) for level in LEVELS)
     spread = {
         "hole_" + key: half_difference(*(getattr(h, key) if h else None for h in (low, high)))
         for key in ("width", "diameter")
@@ -123,8 +131,10 @@ def hole_table(field: Field | None, hole: Hole | None) -> dict[str, Any]:
 
 
 def depth_change(time: NDArray[np.float64], depth: NDArray[np.float64]) -> float | None:
-    """Return the difference between the largest and the least depth (m) in the last tenth of the time (s), as a share of the last one; None where a
-    depth is missing there, or nothing was before."""
+    """Return the largest depth less the least (m) in the last tenth of the time, over the last depth.
+
+    None if a depth is missing there, or if the last depth is not positive.
+    """
     if len(time) < 2 or not (start := 0.9 * time[-1]) > time[0] or not depth[-1] > 0:
         return None
     late = np.append(depth[time >= start], np.interp(start, time, depth))
@@ -132,8 +142,10 @@ def depth_change(time: NDArray[np.float64], depth: NDArray[np.float64]) -> float
 
 
 def group_table(group: Group, setup: Setup) -> dict[str, Any]:
-    """Return the craters of a swarm, one by one and as a group, SI; the mode and what decides it from two craters on, where no ball
-    went through."""
+    """Return the craters of a swarm, one by one and as a group, SI.
+
+    The mode, and what decides it, are given for two craters or more, if no ball went through.
+    """
     table: dict[str, Any] = {
         "craters": len(group.pits),
         "pitheads": len({pit.hollow for pit in group.pits}),
@@ -159,7 +171,7 @@ def group_table(group: Group, setup: Setup) -> dict[str, Any]:
 
 
 def _axes(ellipse: Ellipse | None) -> dict[str, float | None]:
-    """Return the axes of a pithead; None where there is none."""
+    """Return the axes of a pithead, m and rad; None for each if there is no pithead."""
     return {
         "major_axis": ellipse.major if ellipse else None,
         "minor_axis": ellipse.minor if ellipse else None,
@@ -168,6 +180,7 @@ def _axes(ellipse: Ellipse | None) -> dict[str, float | None]:
 
 
 def _pit_table(pit: Pit) -> dict[str, Any]:
+    """Return one crater of a group, SI."""
     return {
         "x": pit.place[0],
         "y": pit.place[1],
@@ -186,8 +199,11 @@ def ejecta_table(
     *,
     has_crater: bool = True,
 ) -> dict[str, Any]:
-    """Return the ejecta in the grid and what left it, of the whole impact, SI; of what is in the grid None where points are no longer
-    anywhere. Without a crater beta is None: nothing was thrown out of one, or some flies on through the wall."""
+    """Return the ejecta in the grid, and what has left it, of the whole impact, SI.
+
+    What is in the grid is None if points have no place. Without a crater beta is None: nothing was thrown out of one,
+    or some flies on through the wall.
+    """
     n = copies(setup.mirrors)
     left = whole_momentum(n * np.array([ledger[key] for key in LEFT_MOMENTUM]), setup.mirrors)
     table: dict[str, Any] = dict.fromkeys(EJECTA) | {
@@ -219,8 +235,11 @@ def result_table(
     run: Mapping[str, Any],
     counters: Mapping[str, int],
 ) -> dict[str, Any]:
-    """Return nested results. Energies are shares of the initial kinetic energy, None where that is zero; E_i^r counts the
-    points that left as they left. internal + kinetic + absorbed + left + pic + contact = 1 + ledger_error."""
+    """Return the tables crater, energy, run and counters.
+
+    Energies are shares of the initial energy, None if that is zero. E_i^r counts the points that left, with the
+    energy that they had then. internal + kinetic + absorbed + left + pic + contact = 1 + ledger_error.
+    """
     depth, diameter = (crater.depth, crater.diameter) if crater else (None, None)
     initial = ledger["initial"]
     joules = {key: ledger[key] for key in SHARES} | {
@@ -244,4 +263,5 @@ def result_table(
 
 
 def _ratio(value: float | None, of: float | None) -> float | None:
+    """Return a value over another; None if either is None or the other is 0."""
     return value / of if value is not None and of else None

@@ -1,4 +1,4 @@
-"""The rim around a crater: how high its crest is, and how wide, crest to crest. The definitions are in docs/metrology.md."""
+"""The rim around a crater: the height of its crest, and its diameter from crest to crest (docs/metrology.md)."""
 
 import math
 from dataclasses import dataclass
@@ -10,36 +10,39 @@ from scipy import ndimage
 from .surface import SIGMA, Surface
 
 Array = NDArray[np.float64]
-SECTORS = 36  # directions that the rim's crest is looked for in
-FIT = 1.5  # of the parabola across the crest, spacings to either side
-PATCH = 2.0  # along the crest, spacings: heights closer than a cell err together
+SECTORS = 36  # directions in which the rim's crest is looked for
+FIT = 1.5  # spacings to either side of the crest to which its parabola is fitted
+PATCH = 2.0  # spacings along the crest: heights closer than a cell err together
 
 
 @dataclass(frozen=True)
 class Rim:
-    """Diameter from crest to crest and its standard uncertainty, m."""
+    """A rim: its diameter from crest to crest, and the standard uncertainty of that, m."""
 
     diameter: float
     uncertainty: float
 
 
 def crest_height(surface: Surface) -> Array:
-    """Return the highest point (nx, ny) of the target in each column, m; the lowest node where there is none."""
+    """Return the height (nx, ny), m, of the target's highest point in each column.
+
+    In a column without solid it is the height of the lowest node.
+    """
     solid = surface.fraction > 0.5
     top = len(surface.z) - 1 - np.argmax(solid[:, :, ::-1], axis=2)
     return np.where(solid.any(axis=2), surface.crossing(top), surface.z[0])
 
 
 def mean_crest(surface: Surface, height: Array, centre: tuple[float, float]) -> float:
-    """Return the mean over directions from the centre (x, y; m) of the highest point, m."""
+    """Return the mean of the highest points (m) in all directions from the centre (x, y; m)."""
     dx, dy = np.meshgrid(surface.x - centre[0], surface.y - centre[1], indexing="ij")
     sector = np.floor((np.arctan2(dy, dx) / (2 * math.pi) % 1.0) * SECTORS).astype(int) % SECTORS
     return float(np.mean(ndimage.maximum(height, sector, np.unique(sector))))
 
 
 def rim_of(surface: Surface, height: Array, centre: tuple[float, float]) -> Rim | None:
-    """Return the rim around a centre (x, y; m); None where fewer than half of the directions have a crest."""
-    height = ndimage.median_filter(height, size=3)  # without what sticks out by a column or two
+    """Return the rim around a centre (x, y; m); None if fewer than half of the directions have a crest."""
+    height = ndimage.median_filter(height, size=3)  # takes off what sticks out by a column or two
     angles = (np.arange(SECTORS) + 0.5) * 2 * math.pi / SECTORS
     found = [crest for angle in angles if (crest := _crest_along(surface, height, centre, angle))]
     if 2 * len(found) < SECTORS:
@@ -54,14 +57,17 @@ def rim_of(surface: Surface, height: Array, centre: tuple[float, float]) -> Rim 
 def _crest_along(
     surface: Surface, height: Array, centre: tuple[float, float], angle: float
 ) -> tuple[float, float] | None:
-    """Return the distance of the highest point in a direction, m, and how far around it the profile is as high to SIGMA spacings, m;
-    None where it is no more than half a spacing above z = 0, or goes on rising to the edge."""
+    """Return the distance of the crest in a direction, m, and how flat it is, m.
+
+    The flatness is half of the length along which the profile is as high, to SIGMA spacings. None if the crest is no
+    more than half a spacing above z = 0, or if the profile still rises at the edge.
+    """
     h = surface.spacing
     reach = math.hypot(surface.x[-1] - surface.x[0], surface.y[-1] - surface.y[0])
     r = np.arange(0.0, reach, h / 4)
     nodes = [
-        (start + r * step - axis[0]) / (h / 2)
-        for start, step, axis in zip(
+        (start + r * share - axis[0]) / surface.node_distance
+        for start, share, axis in zip(
             centre, (math.cos(angle), math.sin(angle)), (surface.x, surface.y), strict=True
         )
     ]

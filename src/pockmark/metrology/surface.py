@@ -1,10 +1,9 @@
 """The target's surface near the crater: a level set of the target's volume fraction.
 
-Linear tents as wide as the point spacing h carry each point's volume to nodes half a spacing apart; the surface is where
-the fraction is one half. Which points count, and why: docs/metrology.md.
+Linear tents as wide as the point spacing h spread each point's volume over nodes half a spacing apart. The surface
+lies where the fraction is one half. docs/metrology.md says which points count, and why.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,23 +12,25 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from skimage.measure import find_contours
 
-from ..base.geometry import Mirror, Wall
-from .pieces import attached, filling, outside
+from ..base.geometry import Mirror, Setup
+from .pieces import attached, filling_of_cells, outside
 
 Array = NDArray[np.float64]
-SIGMA = 12**-0.5  # deviation of a surface that lies evenly within one point spacing, in spacings
-EDGE = 3  # coarse cells at the target's sides that no crater is looked for in: they move with the boundary
-MARGIN = np.array(
-    [4, 4, 3]
-)  # coarse cells kept around the open ones: room for the rim and for the bottom's fit
-RIM = np.array([0.15, 0.15, 0.0])  # of a wide crater's width: the same
+SIGMA = 12**-0.5  # spacings: standard deviation of what lies evenly within one spacing
+EDGE = 3  # coarse cells at the target's sides in which no crater is looked for: they move with the boundary
+# Room around the open cells for the rim and for the bottom's fit: in coarse cells, or as a share of a wide crater's width.
+MARGIN = np.array([4, 4, 3])
+RIM = np.array([0.15, 0.15, 0.0])
 REACH = 3  # nodes that a tent may reach beyond the box
 
 
 @dataclass(frozen=True)
 class OnNodes:
-    """A fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m; point spacing m; height of the wall's back, m, and
-    whether it stands on what is not computed. What lies behind a symmetry plane is there too."""
+    """A fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m, half a spacing apart.
+
+    `spacing` is that of the points, m, `back` the height of the wall's back, m. `is_backed` says that what lies
+    behind the back is not computed. What lies behind a symmetry plane is in the arrays, too.
+    """
 
     x: Array
     y: Array
@@ -39,23 +40,37 @@ class OnNodes:
     back: float = -np.inf
     is_backed: bool = False
 
+    @property
+    def node_distance(self) -> float:
+        """Return the distance between neighbouring nodes, m: half a point spacing."""
+        return self.spacing / 2
+
 
 class Surface(OnNodes):
-    """The solid fraction, 1/2 on the surface. Only what is open to the outside is not solid: closed voids are filled,
-    pieces that do not hang together with the target are gone."""
+    """The solid fraction of the target, 1/2 on its surface.
+
+    Only what is open to the outside is not solid: closed voids are filled. Pieces that do not hang together with the
+    target are gone.
+    """
 
     @property
     def within(self) -> slice:
-        """The nodes along z between the wall's faces, which themselves are on the level: from half a spacing above the back,
-        a whole one where it stands on something, to half a spacing below z = 0."""
+        """Return the nodes along z that lie between the wall's faces, which are on the level themselves.
+
+        They begin half a spacing above the back, or a whole one if the wall is backed, and end half a spacing below z
+        = 0.
+        """
         low = self.back + (1.0 if self.is_backed else 0.5) * self.spacing
         first, last = np.searchsorted(self.z, [low - 0.1 * self.spacing, -0.25 * self.spacing])
         return slice(int(first), int(last))
 
     @cached_property
     def holes(self) -> NDArray[np.int32]:
-        """For each node `within` the wall the number of the hole that it lies in, 0 for none. A hole is open to the top and
-        to what is below the wall; where that is not computed, it comes within a spacing of the back."""
+        """Return for each node `within` the wall the number of the hole in which it lies, 0 for none.
+
+        A hole is open to the top and to what is below the wall. If that is not computed, it is one that comes within
+        a spacing of the back.
+        """
         void, within = self.fraction <= 0.5, self.within
         below, _ = ndimage.label(void[:, :, within.start if self.is_backed else 0 : within.start + 1])
         is_out = np.isin(below[:, :, -1], np.setdiff1d(below[:, :, 0], 0))
@@ -66,7 +81,10 @@ class Surface(OnNodes):
         return np.where(np.isin(inside, through), inside, 0)
 
     def crossing(self, k: NDArray[np.int64]) -> Array:
-        """Return the height (nx, ny), m, of one half between the nodes k (nx, ny), which are solid, and those above."""
+        """Return the height (nx, ny), m, at which the fraction is one half.
+
+        It lies between the nodes k (nx, ny), which are solid, and the nodes above them.
+        """
         i, j = np.indices(k.shape)
         solid, void = self.fraction[i, j, k], self.fraction[i, j, np.minimum(k + 1, len(self.z) - 1)]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -74,8 +92,10 @@ class Surface(OnNodes):
         return np.asarray(self.z[k] + np.clip(part, 0.0, 1.0) * (self.z[1] - self.z[0]))
 
     def section(self, axis: int, at: float) -> list[Array]:
-        """Return the lines (n, 2), m, where the surface cuts the plane x (`axis` 0), y or z = `at`; the other axes in their order.
-        Empty where the plane lies outside."""
+        """Return the lines (n, 2), m, in which the surface cuts the plane where the coordinate of an axis is `at` (m).
+
+        Their columns are the two other axes, in order. The list is empty if the plane lies outside.
+        """
         nodes = (self.x, self.y, self.z)
         place = (at - nodes[axis][0]) / (nodes[axis][1] - nodes[axis][0])
         if not 0 <= place <= len(nodes[axis]) - 1:
@@ -85,67 +105,78 @@ class Surface(OnNodes):
         plane = near.take(0, axis=axis) * (below + 1 - place) + near.take(1, axis=axis) * (place - below)
         origin = np.array([nodes[a][0] for a in range(3) if a != axis])
         lines = find_contours(plane, 0.5)  # type: ignore[no-untyped-call]
-        return [origin + line * self.spacing / 2 for line in lines]
+        return [origin + line * self.node_distance for line in lines]
 
 
-class Field(OnNodes):
-    """The target's volume fraction."""
+class Filling(OnNodes):
+    """The share of the space around each node that the target's points fill."""
 
     def surface(self, level: float = 0.5) -> Surface:
-        """Return the surface with `level` as the fraction that is taken as the surface."""
+        """Return the surface that lies where the fraction is `level`."""
         fraction = outside(self.fraction - level + 0.5)
         return Surface(self.x, self.y, self.z, fraction, self.spacing, self.back, self.is_backed)
 
 
-def target_field(
-    position: Array,
-    volume: Array,
-    spacing: float,
-    *,
-    mirrors: Sequence[Mirror] = (),
-    wall: Wall | None = None,
-) -> Field | None:
-    """Return the field of the target's points: position (n, 3) m, volume (n,) m^3, initial spacing m, surface at z = 0.
+@dataclass(frozen=True)
+class _Target:
+    """The target's points, position (n, 3) m and volume (n,) m^3, with their setup.
 
-    Whole about `mirrors`; within the sides of the `wall` that the points were. None where nothing below z = 0 is open.
+    `origin` (3,) is a place of a node, m.
+    """
+
+    position: Array
+    volume: Array
+    setup: Setup
+    origin: Array
+
+    @property
+    def spacing(self) -> float:
+        """Return the initial spacing of the points, m."""
+        return self.setup.wall.spacing if self.setup.wall else self.setup.spacing
+
+
+def target_filling(position: Array, volume: Array, setup: Setup) -> Filling | None:
+    """Return the filling near the crater of the target's points; None if nothing below z = 0 is open.
+
+    `position` is (n, 3) m, `volume` (n,) m^3. The original surface is z = 0. The points' spacing is that of the
+    setup's wall, or of the setup if it has none. What lies behind a mirror is added. Points that have left the sides
+    of the wall do not count.
     """
     origin = np.zeros(3)
-    for mirror in reversed(mirrors):
+    for mirror in reversed(setup.mirrors):
         origin[mirror.axis] = mirror.at
-    box = _neighbourhood(position, volume, spacing, origin, mirrors, wall)
+    target, wall = _Target(position, volume, setup, origin), setup.wall
+    box = _neighbourhood(target)
     if box is None:
         return None
     lower, upper = box
-    field = _field_in(position, volume, spacing, origin, mirrors, lower, upper)
+    near = _filling_in(target, lower, upper)
     if wall is None:
-        return field
-    field = replace(field, back=wall.lower[2], is_backed=wall.is_backed)
+        return near
+    near = replace(near, back=wall.lower[2], is_backed=wall.is_backed)
     # What is open at the box's bottom may end farther down, or be a hole: that needs all of the wall.
-    if not ((field.fraction[:, :, 0] <= 0.5).any() and (field.surface().fraction[:, :, 0] <= 0.5).any()):
-        return field
+    if not ((near.fraction[:, :, 0] <= 0.5).any() and (near.surface().fraction[:, :, 0] <= 0.5).any()):
+        return near
     deepest = wall.lower[2]
     if not wall.face:  # it may bulge
-        deepest = position[attached(position, volume, spacing), 2].min(initial=deepest) - 2 * spacing
+        hangs = attached(position, volume, target.spacing)
+        deepest = position[hangs, 2].min(initial=deepest) - 2 * target.spacing
     lower[2] = min(lower[2], deepest)
-    whole = _field_in(position, volume, spacing, origin, mirrors, lower, upper)
-    return replace(whole, back=field.back, is_backed=field.is_backed)
+    whole = _filling_in(target, lower, upper)
+    return replace(whole, back=near.back, is_backed=near.is_backed)
 
 
-def _field_in(
-    position: Array,
-    volume: Array,
-    spacing: float,
-    origin: Array,
-    mirrors: Sequence[Mirror],
-    lower: Array,
-    upper: Array,
-) -> Field:
-    """Return the field in a box, and above it as high as the points reach; nodes are half a spacing apart from `origin` on."""
+def _filling_in(target: _Target, lower: Array, upper: Array) -> Filling:
+    """Return the filling in a box between two corners, m, and above it as high as the points reach.
+
+    The nodes are half a spacing apart, counted from the target's origin.
+    """
+    position, volume, spacing, origin = target.position, target.volume, target.spacing, target.origin
     lower, upper = lower.copy(), upper.copy()
-    upper[2] = np.inf  # the rim
+    upper[2] = np.inf  # for the rim
     near = np.all((position > lower - spacing) & (position < upper + spacing), axis=1)
     position, volume = position[near], volume[near]
-    for mirror in mirrors:
+    for mirror in target.setup.mirrors:
         a, face = mirror.axis, (upper if mirror.above else lower)
         if abs(face[a] - mirror.at) < 1e-6 * spacing:
             inside = (position[:, a] < mirror.at) == mirror.above
@@ -158,31 +189,29 @@ def _field_in(
     last = np.ceil((upper - origin) / (spacing / 2) - 1e-6).astype(np.int64)
     fraction = _volume_fraction((position - origin) / spacing, volume / spacing**3, first, last)
     x, y, z = (origin[a] + np.arange(first[a], last[a] + 1) * spacing / 2 for a in range(3))
-    return Field(x, y, z, fraction, spacing)
+    return Filling(x, y, z, fraction, spacing)
 
 
 def with_images(position: Array, values: Array, mirror: Mirror) -> tuple[Array, Array]:
-    """Return the points and their mirror images."""
+    """Return points, positions (n, 2 or 3) and values (n, ...), followed by their mirror images."""
     return with_image(position, mirror), np.concatenate([values, values])
 
 
 def with_image(position: Array, mirror: Mirror) -> Array:
-    """Return places (n, 2 or 3) and their mirror images."""
+    """Return places (n, 2 or 3), m, followed by their mirror images."""
     image = position.copy()
     image[:, mirror.axis] = 2 * mirror.at - image[:, mirror.axis]
     return np.concatenate([position, image])
 
 
-def _neighbourhood(
-    position: Array,
-    volume: Array,
-    spacing: float,
-    origin: Array,
-    mirrors: Sequence[Mirror],
-    wall: Wall | None,
-) -> tuple[Array, Array] | None:
-    """Return the corners (m) of a box around what is open below z = 0: coarse cells less than half full that hang together with
-    the open ones just below the plane. Nothing counts that has left the wall sideways or through its back."""
+def _neighbourhood(target: _Target) -> tuple[Array, Array] | None:
+    """Return the corners, m, of a box around what is open below z = 0; None if nothing is.
+
+    Coarse cells less than half full are open if they are connected to such a cell just below z = 0. Points that have
+    left the wall sideways or through its back do not count.
+    """
+    position, volume, spacing, origin = target.position, target.volume, target.spacing, target.origin
+    wall = target.setup.wall
     below = position[:, 2] < 0
     if not below.any():
         return None
@@ -193,9 +222,9 @@ def _neighbourhood(
     last = np.ceil((np.array(upper) - origin) / width - 1e-6).astype(np.int64)
     last[2] = 0
     lower = origin + first * width
-    opened = filling(position, volume[below], lower, width, (last - first).tolist()) < 0.5
+    opened = filling_of_cells(position, volume[below], lower, width, (last - first).tolist()) < 0.5
     low, high = np.array([EDGE, EDGE, 0]), last - first - [EDGE, EDGE, 0]
-    for mirror in mirrors:
+    for mirror in target.setup.mirrors:
         a, cells = mirror.axis, (mirror.at - origin[mirror.axis]) / width[mirror.axis]
         if mirror.above:
             high[a] = int(np.floor(cells + 1e-6)) - first[a]
@@ -218,9 +247,10 @@ def _neighbourhood(
 def _volume_fraction(
     position: Array, share: Array, first: NDArray[np.int64], last: NDArray[np.int64]
 ) -> Array:
-    """Return the volume fraction at the nodes first .. last, half a spacing apart; position and share in spacings.
+    """Return the volume fraction at the nodes first .. last, half a spacing apart.
 
-    A tent of one spacing is the sum of three of half a spacing, weighted 1/2, 1, 1/2: eight nodes a point are enough.
+    `position` (n, 3) is in spacings, `share` (n,) in cubes of a spacing. A tent of one spacing is the sum of three of
+    half a spacing, weighted 1/2, 1, 1/2: so eight nodes a point are enough.
     """
     local = 2 * position - (first - REACH)
     base = np.floor(local).astype(np.int64)
@@ -233,7 +263,7 @@ def _volume_fraction(
         node = np.ravel_multi_index((base[:, 0] + i, base[:, 1] + j, base[:, 2] + k), shape)
         weight = share * weights[i, :, 0] * weights[j, :, 1] * weights[k, :, 2]
         out += np.bincount(node, weight, minlength=out.size)
-    field = out.reshape(shape)
+    fraction = out.reshape(shape)
     for axis in range(3):
-        field = ndimage.convolve1d(field, [0.5, 1.0, 0.5], axis=axis)
-    return np.asarray(field[(slice(REACH, -REACH),) * 3])
+        fraction = ndimage.convolve1d(fraction, [0.5, 1.0, 0.5], axis=axis)
+    return np.asarray(fraction[(slice(REACH, -REACH),) * 3])

@@ -1,8 +1,8 @@
-"""How well a crater's measures are known: what a shift of the level set by a fraction of a point spacing does.
+"""The uncertainty of a crater's measures: what a shift of the surface by a fraction of a point spacing does.
 
-A surface made of points is known to within one spacing h; what lies evenly within it has the standard deviation
-delta = h/sqrt(12), a seventh of a cell at two points a cell. Near the surface the fraction falls by one over h, so the
-levels 1/2 - 1/sqrt(12) and 1/2 + 1/sqrt(12) are the surface moved by delta either way.
+A surface made of points is known to within one spacing h. What lies evenly within h has the standard deviation delta
+= h/sqrt(12), a seventh of a cell at two points a cell. Near the surface the fraction falls by one over h. So the
+surfaces at the levels 1/2 - 1/sqrt(12) and 1/2 + 1/sqrt(12) are the surface moved by delta either way.
 """
 
 import math
@@ -16,11 +16,11 @@ LEVELS = (0.5 - SIGMA, 0.5 + SIGMA)
 def uncertainties(
     crater: Crater, shifted: tuple[Crater | None, Crater | None], spacing: float
 ) -> dict[str, float | None]:
-    """Return standard uncertainties, by the keys of the results, in the units of their values; None where one is not known.
+    """Return standard uncertainties by the keys of the results, in the units of their values.
 
-    Half the difference of the measures of the `shifted` craters (at LEVELS); for centre, bottom, e1 and e2, which a
-    common shift leaves as they are, what follows if either end of the axes is off by delta, and the floor by delta
-    cell by cell.
+    None, or no key, if one is not known. For depth, diameter, volume, rim height and axes it is half of the
+    difference between the `shifted` craters, at LEVELS. A shift leaves centre, bottom, e1 and e2 as they are. For
+    them either end of an axis is taken to be off by delta, and the floor by delta from cell to cell.
     """
     delta = SIGMA * spacing
     low, high = shifted
@@ -50,5 +50,8 @@ def uncertainties(
 
 
 def half_difference(a: float | None, b: float | None) -> float | None:
-    """Return for a measure at LEVELS its standard uncertainty; None where either is not known."""
+    """Return the standard uncertainty of a measure, given its values at LEVELS.
+
+    None if either is not known.
+    """
     return None if a is None or b is None else abs(b - a) / 2

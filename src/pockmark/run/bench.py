@@ -6,11 +6,14 @@ from .. import _core
 from ..scene.scene import Scene
 from .simulation import Simulation
 
-WARM_UP, END = 5e-9, 15e-9  # s: the window that is measured, during the impact
+WARM_UP, END = 5e-9, 15e-9  # s, of the impact: what is measured lies between
 
 
 def bench_scene(points: int, overrides: tuple[str, ...] = ()) -> Scene:
-    """Return Table 2's impact (Liu et al. 2015) at about the given number of points; model 1 at 252,112."""
+    """Return the impact of Table 2 (Liu et al. 2015) with about the given number of points.
+
+    252,112 points give the paper's model 1.
+    """
     layers = max(4, round(50 * (points / 252_112) ** (1 / 3)))
     spacing = 100.0 / layers
     table = {
@@ -46,7 +49,10 @@ def bench_scene(points: int, overrides: tuple[str, ...] = ()) -> Scene:
 
 
 def bench(scene: Scene, threads: int, *, compare: bool = True) -> dict[str, Any]:
-    """Step the scene through the window, and then with the plain driver (`compare`); figures in SI, ready for JSON."""
+    """Step the scene through the window that is measured, and return figures in SI, ready for JSON.
+
+    With `compare` the plain driver steps it, too.
+    """
     simulation = Simulation(scene, threads)
     measured = _measure(simulation, END)
     seconds, points, steps = measured.seconds, measured.points, measured.steps
@@ -86,7 +92,10 @@ def bench(scene: Scene, threads: int, *, compare: bool = True) -> dict[str, Any]
 
 
 class Measured(NamedTuple):
-    """Seconds of each phase over a number of steps of a number of points, with so many sorts."""
+    """The seconds of each phase over `steps` steps of `points` points.
+
+    The points were sorted `sorts` times meanwhile.
+    """
 
     seconds: dict[str, float]
     steps: int
@@ -95,11 +104,12 @@ class Measured(NamedTuple):
 
     @property
     def rate(self) -> float:
-        """Particle-steps a second."""
+        """Return the particle-steps a second."""
         return self.points * self.steps / sum(self.seconds.values())
 
 
 def _measure(simulation: Simulation, end: float) -> Measured:
+    """Return what a simulation takes from WARM_UP to `end`, s."""
     simulation.advance(WARM_UP)
     before, sorts = simulation.timers(), simulation.sorts
     steps = simulation.advance(end)
@@ -108,7 +118,10 @@ def _measure(simulation: Simulation, end: float) -> Measured:
 
 
 def traffic_per_point(scene: Scene, sorts_per_step: float) -> dict[str, float]:
-    """Return the bytes of point data that each phase must move to and from memory, a point and step; the grid's not counted."""
+    """Return the bytes that each phase must move to and from memory, for a point and a step.
+
+    Only the points' data are counted, not the grid's.
+    """
     size = 8 if scene.numerics.precision == "double" else 4
     width = {f["name"]: f["components"] * size for f in _core.fields()} | {"body": 1, "cell": 4, "id": 4}
     scheme = scene.numerics.scheme
@@ -118,7 +131,7 @@ def traffic_per_point(scene: Scene, sorts_per_step: float) -> dict[str, float]:
 
     strained = ("volume", "energy", "deviator")
     loaded = of("mass", *strained, "pressure", "viscosity")
-    # Few points yield: their plastic strain, temperature and damage are not counted as written.
+    # Few points yield, so plastic strain, temperature and damage are not counted as written.
     stress = (
         loaded + of("position", "velocity", "temperature", "damage") + of(*strained, "pressure", "viscosity")
     )
@@ -126,7 +139,7 @@ def traffic_per_point(scene: Scene, sorts_per_step: float) -> dict[str, float]:
     move = 2 * of("position")
     if scheme == "usavg":
         move += of(*strained, "pressure", "viscosity", "damage") + of(*strained)
-    maps = scheme != "usl"  # the pass that updates velocities adds the points to the grid, too
+    maps = scheme != "usl"  # the pass that updates velocities also adds the points to the grid
     traffic: dict[str, float] = {
         "p2g": of("position", "velocity", "mass") * min(sorts_per_step, 1.0),  # a sort undoes what was mapped
         "stress": stress if first else stress + loaded + of("position"),

@@ -1,4 +1,4 @@
-"""A checkpoint: all that a run needs to go on, in a file with check sums and a version."""
+"""Checkpoints: all that a run needs to go on, in a file with check sums and a version."""
 
 import json
 import os
@@ -16,19 +16,19 @@ from ..base.errors import PockmarkError
 from ..base.files import open_regular, reason
 from .hdf5 import checked, put, written
 
-FORMAT = 1  # of what is written here
+FORMAT = 1  # version of what is written here
 
 
 class ForeignError(PockmarkError):
-    """A checkpoint that is whole, but not for this run or this pockmark."""
+    """An error for a checkpoint that is whole, but not for this run or this pockmark."""
 
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """Where a run stood: step, time (s), what its tasks had done, and how far its folder was.
+    """The state of a run, and how far its folder was.
 
-    `course` is the hash of the scene but for its end, `acted` how often each task had acted, `tasks` their states, `parts` what
-    `Simulation.save` gave.
+    `time` is in s. `course` is the hash of the scene without its end. `acted` has how often each task had acted,
+    `tasks` their states, `files` what `RunFolder.extent` gave, `parts` what `Simulation.save` gave.
     """
 
     step: int
@@ -44,7 +44,7 @@ _TOLD = tuple(part.name for part in fields(Checkpoint) if part.name != "parts")
 
 
 def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
-    """Write a checkpoint beside and rename it. Raises PockmarkError, and then there is none of this name."""
+    """Write a checkpoint in one go. Raises PockmarkError, and then there is no file of this name."""
     arrays = {name: part for name, part in checkpoint.parts.items() if isinstance(part, np.ndarray)}
     about = {name: getattr(checkpoint, name) for name in _TOLD} | {
         "physics": PHYSICS,
@@ -60,9 +60,10 @@ def write_checkpoint(path: Path, checkpoint: Checkpoint) -> None:
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
-    """Return a checkpoint whose bytes are all as they were written; its arrays are read again, one by one, as they are asked for.
+    """Return a checkpoint whose bytes are all as they were written.
 
-    Raises ForeignError for one of another format or physics, PockmarkError for one that is torn or altered.
+    Its arrays are read again, one by one, when they are asked for. Raises ForeignError for one of another format or
+    physics, PockmarkError for one that is torn or altered.
     """
     with _opened(path) as (file, size):
         about = _about(file, size)
@@ -73,7 +74,10 @@ def read_checkpoint(path: Path) -> Checkpoint:
 
 
 class _Parts(Mapping[str, Any]):
-    """The parts of a simulation in a file. Arrays stay there until they are asked for: all at once would double a run's memory."""
+    """The saved parts of a simulation, in a file.
+
+    An array is read when it is asked for: all at once would double a run's memory.
+    """
 
     def __init__(self, path: Path, arrays: list[str], numbers: dict[str, Any]) -> None:
         self._path, self._numbers = path, numbers
@@ -113,7 +117,7 @@ def _opened(path: Path) -> Iterator[tuple[h5py.File, int]]:
 
 
 def _about(file: h5py.File, size: int) -> dict[str, Any]:
-    """Return what is not an array in an open file of `size` bytes."""
+    """Return all of an open file of `size` bytes that is not an array. Raises PockmarkError."""
     if (known := file.attrs["format"]) != FORMAT:
         raise ForeignError(f"is a checkpoint of format {known}, this pockmark reads format {FORMAT}")
     about: dict[str, Any] = json.loads(checked(file, "about", size).tobytes())

@@ -1,4 +1,4 @@
-"""What makes a run doubtful: states that no material can be in, and energy that is lost or won."""
+"""The doubts of a run: states that no material can be in, and energy that is lost or won."""
 
 import math
 from collections.abc import Mapping
@@ -8,11 +8,14 @@ from ..base.counters import DOUBTFUL
 from ..base.lengths import unit_for
 from .simulation import Simulation
 
-LEDGER_LIMIT = 0.01  # of the initial energy
+LEDGER_LIMIT = 0.01  # share of the initial energy: a larger ledger error is doubtful
 
 
 class Place(NamedTuple):
-    """How many points were in an impossible state at a time (s), and the corners of a box around them, m."""
+    """The points that were in an impossible state at a time (s): how many, and a box around them.
+
+    `lower` and `upper` are the corners of the box, m.
+    """
 
     points: int
     time: float
@@ -21,16 +24,19 @@ class Place(NamedTuple):
 
 
 class Doubts:
-    """What is to be doubted of a run, noted with each row of its history: where its impossible states are, and its ledger error."""
+    """The doubts of a run, gathered with each row of its history.
+
+    They are where its impossible states are, and how large its ledger error is.
+    """
 
     def __init__(self) -> None:
-        """Begin with nothing to doubt."""
+        """Begin without a doubt."""
         self._places: dict[str, Place] = {}
         self._error, self._when = 0.0, 0.0
         self._counted: dict[str, int] = {}
 
     def note(self, simulation: Simulation, row: Mapping[str, float]) -> None:
-        """Look at a row of the history, and at the points where one of its counters has grown."""
+        """Note a row of the history, and the points where one of its counters has grown."""
         counted = {name: int(row[name]) for name in DOUBTFUL}
         if counted != self._counted:
             for name, (points, lower, upper) in simulation.impossible().items():
@@ -51,21 +57,24 @@ class Doubts:
         }
 
     def set_state(self, state: Mapping[str, Any]) -> None:
-        """Go on from what has been noted before."""
+        """Take up what state() returned before."""
         self._places = {name: Place(*place) for name, place in state["places"].items()}
         self._error, self._when = state["error"], state["when"]
         self._counted = dict(state["counted"])
 
     def sentences(self) -> list[str]:
-        """Return why the run is doubtful, a sentence each; nothing for a run that is not."""
+        """Return why the run is doubtful, in a sentence each; an empty list if it is not."""
         return doubts(self._counted, self._error, self._when, self._places)
 
 
 def doubts(
     counters: Mapping[str, int], error: float, when: float, places: Mapping[str, Place] | None = None
 ) -> list[str]:
-    """Return why a run is doubtful: by its counters, its largest ledger error as a share of the initial energy, and the time
-    (s) of that; `places` by counter, where they are known."""
+    """Return why a run is doubtful, in a sentence each; an empty list if it is not.
+
+    `error` is the run's largest ledger error as a share of the initial energy, `when` its time, s. `places` has for
+    each counter where its points were, if that is known.
+    """
     out = []
     for name, what in DOUBTFUL.items():
         if not (count := counters.get(name, 0)):

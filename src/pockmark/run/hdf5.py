@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ..base.errors import PockmarkError
 from ..base.files import reason, replaced
 
-VERSION = "v108"  # of HDF5's format: the first with check sums of its own tables
+VERSION = "v108"  # the first of HDF5's formats in which its own tables have check sums
 SUM = "crc32"
 
 
@@ -41,7 +41,10 @@ def written(path: Path) -> Iterator[h5py.File]:
 
 
 class _Disk(io.FileIO):
-    """A file that keeps its first failure to itself: HDF5 crashes the process some time after it saw one."""
+    """A file that keeps its first failure to itself.
+
+    HDF5 crashes the process some time after it has seen one.
+    """
 
     fault: OSError | None = None
 
@@ -49,7 +52,7 @@ class _Disk(io.FileIO):
         super().__init__(descriptor, "r+", closefd=False)
 
     def write(self, content: Any) -> int:
-        """Write all of it, or nothing after a failure."""
+        """Write all of the content; nothing after a failure."""
         left = memoryview(content).cast("B")
         size = len(left)
         try:
@@ -60,7 +63,7 @@ class _Disk(io.FileIO):
         return size
 
     def truncate(self, size: int | None = None) -> int:
-        """Make the file as long as asked, or leave it after a failure."""
+        """Give the file the length that is asked; leave it as it is after a failure."""
         try:
             return self.tell() if self.fault else super().truncate(size)
         except OSError as error:
@@ -79,14 +82,17 @@ def sum_of(values: NDArray[Any]) -> int:
 
 
 def group_in(parent: h5py.Group, name: str) -> h5py.Group:
-    """Return a group that lies in the file itself. Raises PockmarkError."""
+    """Return a group that lies in the file itself. Raises PockmarkError if there is none."""
     if isinstance(found := _own(parent, name), h5py.Group):
         return found
     raise PockmarkError(f"{name} is missing or no group")
 
 
 def dataset_in(root: h5py.Group, place: str, size: int) -> h5py.Dataset:
-    """Return a dataset whose bytes all lie in the file of `size` bytes itself, as they are. Raises PockmarkError."""
+    """Return a dataset whose bytes all lie in the file itself, in one piece.
+
+    `size` is that of the file, bytes. Raises PockmarkError.
+    """
     *groups, name = place.split("/")
     for group in groups:
         root = group_in(root, group)
@@ -103,7 +109,7 @@ def dataset_in(root: h5py.Group, place: str, size: int) -> h5py.Dataset:
 
 
 def checked(root: h5py.Group, place: str, size: int) -> NDArray[Any]:
-    """Return a dataset's values. Raises PockmarkError if its check sum is missing or not that of what was written."""
+    """Return a dataset's values. Raises PockmarkError unless its check sum is that of its values."""
     dataset = dataset_in(root, place, size)
     values, expected = np.asarray(dataset[...]), dataset.attrs.get(SUM)
     if expected is None or sum_of(values) != int(expected):
@@ -112,5 +118,5 @@ def checked(root: h5py.Group, place: str, size: int) -> NDArray[Any]:
 
 
 def _own(parent: h5py.Group, name: str) -> Any:
-    """Return what a group holds under a name, None for nothing and for a link to elsewhere."""
+    """Return what a group itself holds under a name; None for nothing and for a link to elsewhere."""
     return parent[name] if isinstance(parent.get(name, getlink=True), h5py.HardLink) else None

@@ -1,4 +1,4 @@
-"""history.csv: a row of numbers for every time that a run tells where it is."""
+"""history.csv: a row of numbers for each time at which a run notes its state."""
 
 import csv
 import io
@@ -15,25 +15,28 @@ from numpy.typing import NDArray
 from ..base.errors import PockmarkError
 from ..base.files import open_regular, told
 
-LARGEST = 2**30  # bytes; a million rows, the most that a scene may ask for, have less
+LARGEST = 2**30  # bytes; a scene may ask for a million rows, which have fewer
 LONGEST_LINE = 2**16
 
 
 @dataclass(frozen=True)
 class Rows:
-    """Columns (n,) by their names, and how many rows at the end were torn and left out: 0 or 1."""
+    """The rows of a history: columns (n,) by their names.
+
+    `torn` is how many rows at the end were torn and are left out, 0 or 1.
+    """
 
     columns: dict[str, NDArray[np.float64]]
     torn: int
 
     @property
     def last(self) -> dict[str, float]:
-        """The last whole row."""
+        """Return the last whole row."""
         return {name: float(values[-1]) for name, values in self.columns.items()}
 
 
 def append_row(path: Path, row: Mapping[str, float]) -> None:
-    """Add a row whole or not at all; the first one brings the header."""
+    """Add a row, whole or not at all. The first one brings the header. Raises PockmarkError."""
     descriptor = open_regular(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
     with told(path), open(descriptor, "wb", buffering=0) as file:
         size = os.fstat(descriptor).st_size
@@ -50,7 +53,10 @@ def append_row(path: Path, row: Mapping[str, float]) -> None:
 
 
 def read_rows(path: Path, *, torn_end: bool = False) -> Rows:
-    """Return the rows; `torn_end`: a last row that its process did not finish is left out. Raises PockmarkError."""
+    """Return the rows of a history. Raises PockmarkError.
+
+    With `torn_end` a last row that its process did not finish is left out.
+    """
     descriptor = open_regular(path, os.O_RDONLY)
     with told(path), open(descriptor, encoding="utf-8", errors="replace", newline="\n") as file:
         if os.fstat(descriptor).st_size > LARGEST:
@@ -76,19 +82,22 @@ def read_rows(path: Path, *, torn_end: bool = False) -> Rows:
 
 
 def _write_all(file: io.FileIO, data: bytes) -> None:
-    """Write to the last byte; a nearly full disk takes a part and fails with the next."""
+    """Write to the last byte.
+
+    A nearly full disk takes a part, and fails with the next.
+    """
     while data:
         data = data[file.write(data) :]
 
 
 def _lines(file: TextIO) -> Iterator[str]:
-    """Give the lines, one that is too long to be ours in pieces."""
+    """Give the lines of a file. A line that is too long to be pockmark's comes in pieces."""
     while line := file.readline(LONGEST_LINE):
         yield line
 
 
 def _numbers(line: str, count: int) -> list[float] | None:
-    """Return the numbers of a whole row, None of a torn one."""
+    """Return the numbers of a whole row; None for a torn one."""
     cells = line.rstrip("\r\n").split(",")
     if not line.endswith("\n") or len(cells) != count:
         return None

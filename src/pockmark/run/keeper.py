@@ -1,4 +1,4 @@
-"""Which checkpoints a run folder keeps, and when one is written."""
+"""The checkpoints of a run folder: when one is written, and which are kept."""
 
 import re
 import time
@@ -16,12 +16,18 @@ KEPT = 2
 
 
 class Keeper:
-    """Writes checkpoints of a run as it goes: every so often by the clock on the wall, and at its end; the last two stay."""
+    """The writer of a run's checkpoints.
+
+    It writes one every so often by wall time, and one at the end. The last two are kept.
+    """
 
     def __init__(
         self, folder: RunFolder, tasks: Sequence[KeptTask], interval: float, *, step: int = -1
     ) -> None:
-        """Begin to wait; `interval` in seconds of wall time, 0 for no checkpoint at all. `step` is that of the checkpoint begun from."""
+        """Begin to wait for `interval` seconds of wall time; 0 means no checkpoint at all.
+
+        `step` is the step of the checkpoint from which the run goes on, -1 without one.
+        """
         self._folder, self._tasks, self._interval = folder, tasks, interval
         self._last, self._step = time.monotonic(), step
 
@@ -32,7 +38,7 @@ class Keeper:
             self.keep(simulation)
 
     def keep(self, simulation: Simulation) -> None:
-        """Write a checkpoint, unless there is one of this step. Raises PockmarkError; those before stay."""
+        """Write a checkpoint, unless there is one of this step. Raises PockmarkError; the older ones then stay."""
         if not self._interval or simulation.steps == self._step:
             return
         found = checkpoints(self._folder.path)
@@ -52,7 +58,7 @@ class Keeper:
         self._last, self._step = time.monotonic(), simulation.steps
 
     def finish(self) -> None:
-        """Leave only the newest checkpoint: a run that has ended goes on from there, if at all."""
+        """Remove all checkpoints but the newest: a run that has ended goes on from that one, if at all."""
         for path in checkpoints(self._folder.path)[:-1]:
             path.unlink(missing_ok=True)
 
@@ -64,9 +70,9 @@ def checkpoints(folder: Path) -> list[Path]:
 
 
 def newest_good(folder: Path, course: str) -> tuple[Checkpoint | None, dict[Path, str]]:
-    """Return the newest checkpoint that is whole, None without one, and what is wrong with each that is newer.
+    """Return the newest checkpoint that is whole, and what is wrong with each newer one.
 
-    Raises ForeignError where that checkpoint is of another course, format or physics.
+    The checkpoint is None if none is whole. Raises ForeignError if it is of another course, format or physics.
     """
     damaged: dict[Path, str] = {}
     for path in reversed(checkpoints(folder)):

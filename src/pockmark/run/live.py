@@ -1,4 +1,4 @@
-"""How deep a crater is while its run goes on: an estimate from cells, made often, that needs no snapshot."""
+"""The depth of a crater while its run goes on: an estimate from cells, made often, without a snapshot."""
 
 import math
 from dataclasses import dataclass
@@ -15,20 +15,26 @@ from .simulation import Simulation
 from .wall import first_wall
 
 Array = NDArray[np.float64]
-OUTSIDE = 1  # nodes that the core keeps beyond each face
+OUTSIDE = 1  # layers of nodes that the core keeps beyond each face
 
 
 @dataclass(frozen=True)
 class Live:
-    """Depth of the deepest column of the first wall, m: nan where there is none to tell; whether the wall is perforated."""
+    """The crater at a moment of a run.
+
+    `depth` is that of the deepest column of the first wall, m; nan if it cannot be told.
+    """
 
     depth: float
     is_perforated: bool = False
 
 
 def live_depth(simulation: Simulation) -> Live:
-    """Return the deepest place that is open to the top, wherever it is, as a level set of the cells' filling: within a tenth of C_p,
-    but for a crater of few cells."""
+    """Return the depth of the deepest place that is open to the top, wherever it is.
+
+    The surface is taken where the target's points fill half of the space around a node. The depth is within a tenth
+    of C_p, unless the crater is only a few cells wide.
+    """
     scene = simulation.scene
     wall = first_wall(scene)
     if wall is None or wall.layers < LEAST_LAYERS or simulation.points == 0:
@@ -38,7 +44,7 @@ def live_depth(simulation: Simulation) -> Live:
         return Live(math.nan)
     fraction = _whole_at_mirrors(simulation.volume_fraction(wall.bodies), scene)[within]
     solid = fraction > 0.5
-    solid[:, :, -1] = False  # at z = 0 every column is open
+    solid[:, :, -1] = False  # every column is open at z = 0
     near = _around(~solid[:, :, :-1])
     fraction, solid, z = fraction[near], solid[near], z[near[2]]
     solid &= largest_piece(solid)
@@ -52,8 +58,11 @@ def live_depth(simulation: Simulation) -> Live:
 
 
 def _within(wall: Wall, scene: Scene) -> tuple[tuple[slice, slice, slice], Array]:
-    """Return the nodes to look at: inside of the wall's sides, which move with the faces, up to the first one at or above z = 0, and
-    down to the wall's back, or where that is free to the grid's bottom; and their heights, m."""
+    """Return the nodes to look at, and their heights, m.
+
+    They lie within the wall's sides, which move with the faces. They go from the first ones at or above z = 0 down to
+    the wall's back; if that is free, down to the grid's bottom.
+    """
     grid, mirrored = scene.grid, {(m.axis, m.above) for m in scene.mirrors}
     ends = []
     for axis in (0, 1):
@@ -68,7 +77,10 @@ def _within(wall: Wall, scene: Scene) -> tuple[tuple[slice, slice, slice], Array
 
 
 def _whole_at_mirrors(fraction: NDArray[np.float32], scene: Scene) -> NDArray[np.float32]:
-    """Return the fraction at the grid's own nodes, with what the images of points add to those on a symmetry plane."""
+    """Return the fraction at the grid's own nodes.
+
+    To nodes on a symmetry plane it adds the images of their points.
+    """
     fraction = fraction[(slice(OUTSIDE, -OUTSIDE),) * 3]
     for mirror in scene.mirrors:
         fraction[(slice(None),) * mirror.axis + (-1 if mirror.above else 0,)] *= 2
@@ -76,8 +88,11 @@ def _whole_at_mirrors(fraction: NDArray[np.float32], scene: Scene) -> NDArray[np
 
 
 def _around(void: NDArray[np.bool_]) -> tuple[slice, slice, slice]:
-    """Return a box from a node below all voids (nx, ny, nz) to one above the array, and a node wider; all columns, two nodes high, where
-    there is none."""
+    """Return the box of nodes around all voids (nx, ny, nz), a node wider to each side.
+
+    It reaches from a node below the voids to a node above the array. Without voids it has all columns, two nodes
+    high.
+    """
     if not void.any():
         return slice(None), slice(None), slice(void.shape[2] - 1, None)
     ends = []
@@ -88,7 +103,10 @@ def _around(void: NDArray[np.bool_]) -> tuple[slice, slice, slice]:
 
 
 def _floor(fraction: NDArray[np.float32], is_open: NDArray[np.bool_], z: Array) -> Array:
-    """Return the height of the surface in each column, m, by a straight line from the lowest open node to the one below."""
+    """Return the height of the surface in each column, m.
+
+    It is interpolated linearly between the lowest open node and the node below it.
+    """
     k = np.argmax(is_open, axis=2)
     i, j = np.indices(k.shape)
     below, above = fraction[i, j, k - 1], np.minimum(fraction[i, j, k], 0.5)

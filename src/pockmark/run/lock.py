@@ -1,4 +1,7 @@
-"""One process a run folder: a lock that its process holds while the run lasts, and that ends with the process."""
+"""The lock of a run folder, so that one process at a time runs in it.
+
+The process holds it while its run lasts. It ends with the process.
+"""
 
 import fcntl
 import os
@@ -11,7 +14,7 @@ from ..base.errors import PockmarkError
 from ..base.files import open_regular, told
 
 LOCK = "run.lock"
-TRIES, PAUSE = 10, 0.05  # s: who only looks whether a lock is held holds it for a moment
+TRIES, PAUSE = 10, 0.05  # s; a process that looks whether the lock is held holds it for a moment itself
 
 
 class Lock:
@@ -50,7 +53,7 @@ class Lock:
 
 
 def holder(folder: Path) -> str | None:
-    """Return who runs in the folder now ("process 7 on host since ..."), None if nobody does."""
+    """Return who runs in the folder now ("process 7 on host since ..."); None if nobody does."""
     path = folder / LOCK
     if not os.path.lexists(path):
         return None
@@ -68,7 +71,7 @@ def holder(folder: Path) -> str | None:
 
 
 def _flocked(descriptor: int, kind: int) -> bool:
-    """Lock an open file, or return False if another process has locked it."""
+    """Lock an open file, and return whether that was possible: another process may hold it."""
     try:
         fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -77,7 +80,7 @@ def _flocked(descriptor: int, kind: int) -> bool:
 
 
 def _is_at(descriptor: int, path: Path) -> bool:
-    """Return whether the open file is still the one at `path`: whoever held it before may have removed it."""
+    """Return whether an open file is still the one at `path`: its last holder may have removed it."""
     try:
         return os.path.samestat(os.fstat(descriptor), os.lstat(path))
     except FileNotFoundError:

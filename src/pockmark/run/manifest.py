@@ -1,4 +1,7 @@
-"""What a run's manifest.json must hold before anything is measured: names, types and ranges, in one place."""
+"""The names, types and ranges in manifest.json.
+
+They are checked before anything is measured.
+"""
 
 import json
 import math
@@ -20,13 +23,16 @@ Table = TypeVar("Table", bound="_Part")
 
 
 class _Part(BaseModel):
-    """A table of a manifest; keys that nothing is measured from may be anything."""
+    """A table of a manifest. Keys from which nothing is measured may be anything."""
 
     model_config = ConfigDict(strict=True, allow_inf_nan=False, extra="allow", frozen=True)
 
 
 class Run(_Part):
-    """How far a run is: points at the start, cells, steps, time s; particle-steps/s and largest rho/rho0 where known."""
+    """How far a run is: points at the start, cells, steps, time (s).
+
+    Particle-steps a second and the largest rho/rho0 are None if they are not known.
+    """
 
     points: Count
     cells: Count
@@ -37,7 +43,7 @@ class Run(_Part):
 
 
 class Measured(_Part):
-    """What a run's table is made of beside its points; None stands for what is no number."""
+    """The parts of a manifest that are measured; None in the ledger stands for what is no number."""
 
     run: Run
     ledger: dict[Text, float | None]
@@ -52,12 +58,15 @@ class Measured(_Part):
 
     @property
     def joules(self) -> dict[str, float]:
-        """The ledger, nan for what is no number."""
+        """Return the ledger, with nan for what is no number."""
         return {key: math.nan if value is None else value for key, value in self.ledger.items()}
 
 
 class Manifest(_Part):
-    """What every manifest holds; `physics` is missing from those of before it was counted."""
+    """The parts that every manifest has.
+
+    `physics` is missing from the manifests of before it was counted.
+    """
 
     status: Status
     scene_hash: Text
@@ -69,7 +78,7 @@ class Manifest(_Part):
 
 
 def parse_manifest(text: str) -> dict[str, Any]:
-    """Return a manifest's table. Raises PockmarkError for what is no manifest of pockmark's."""
+    """Return the table of a manifest's text. Raises PockmarkError for what is no manifest of pockmark's."""
     try:
         table = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -83,7 +92,10 @@ def parse_manifest(text: str) -> dict[str, Any]:
 
 
 def row_as_record(row: Mapping[str, float], cells: int) -> dict[str, Any]:
-    """Return a row of the history as the end of a manifest says it, for `Measured` to check."""
+    """Return a row of the history as the end of a manifest would have it, for `Measured` to check.
+
+    `cells` is the number of cells of the grid.
+    """
     counters = {name: _count(row[name]) for name in COUNTERS if name in row}
     gone = (row.get(name, 0.0) for name in GONE)
     return {
@@ -101,16 +113,17 @@ def row_as_record(row: Mapping[str, float], cells: int) -> dict[str, Any]:
 
 
 def _count(value: float) -> int | float:
-    """Return a whole number as one; the history's are all written as floats."""
+    """Return a whole number as an int: the history has all numbers as floats."""
     return int(value) if value.is_integer() else value
 
 
 def _number(value: float) -> float | None:
+    """Return a finite number; None for another."""
     return value if math.isfinite(value) else None
 
 
 def validated(model: type[Table], table: Any) -> Table:
-    """Return the table as a model. Raises PockmarkError with one sentence."""
+    """Return a table as a model. Raises PockmarkError with one sentence."""
     try:
         return model.model_validate(table)
     except ValidationError as error:

@@ -1,4 +1,4 @@
-"""A run folder to its measures."""
+"""The way from a run folder to its measures."""
 
 from typing import Any
 
@@ -7,6 +7,7 @@ import numpy as np
 from ..base.errors import PockmarkError
 from ..base.files import AnyPath
 from ..base.geometry import Setup
+from ..base.json import finite
 from ..metrology import results
 from ..metrology.measures import UNWARNED, measures, surface_of, worst_error
 from ..metrology.surface import Surface
@@ -17,12 +18,15 @@ from .doubts import doubts
 from .pipeline import treatments
 from .setup import setup_of
 from .snapshot import Snapshot
-from .store import UNENDED, RunFolder, finite
+from .store import UNENDED, RunFolder
 
 
 @UNWARNED
 def measure_run(path: AnyPath) -> dict[str, Any]:
-    """Measure crater, energies, run figures and counters of a run folder, SI; the keys are stable."""
+    """Return crater, energies, figures of the run and counters of a run folder, SI.
+
+    The keys are stable. Raises PockmarkError for what is no run folder, or is damaged.
+    """
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
     record = folder.record(scene.grid.cell_count)
@@ -49,7 +53,10 @@ def measure_run(path: AnyPath) -> dict[str, Any]:
 
 
 def _late_warning(snapshot_time: float, end: float) -> list[str]:
-    """Say where the last snapshot is not of the time (s) at which the run ended: its file may have been removed."""
+    """Say that the last snapshot is not of the time (s) at which the run ended, if that is so.
+
+    Its file may have been removed.
+    """
     if abs(snapshot_time - end) <= 1e-9 * end:
         return []
     return [
@@ -60,14 +67,17 @@ def _late_warning(snapshot_time: float, end: float) -> list[str]:
 
 @UNWARNED
 def surface_of_run(path: AnyPath) -> Surface | None:
-    """Return the target's surface near the crater in the last snapshot of a run folder; None if there is no crater."""
+    """Return the target's surface near the crater in the last snapshot of a run folder.
+
+    None if nothing below z = 0 is open. Raises PockmarkError.
+    """
     folder = RunFolder.open(path)
     scene = folder.scene()
     return surface_in(in_the_grid(folder.last_snapshot(), scene), setup_of(scene))
 
 
 def standing_of(path: AnyPath) -> str:
-    """Return how a run that has not ended stands, in one sentence; an empty text for one that has ended."""
+    """Return how a run that has not ended stands, in a sentence; an empty text for one that has ended."""
     folder = RunFolder.open(path)
     rows, snapshot = folder.rows(), folder.last_snapshot()
     return standing(folder.status(), rows.last["time"], float(snapshot["time"][0]), rows.torn)
@@ -76,7 +86,7 @@ def standing_of(path: AnyPath) -> str:
 def in_the_grid(snapshot: Snapshot, scene: Scene) -> Snapshot:
     """Return the snapshot. Raises PockmarkError if a point is of no body or outside of the grid.
 
-    Memory for the measures is laid out over all points: one of them far away would take all that there is.
+    The measures lay out memory over all points: a single one far away would take all that there is.
     """
     position, cell = snapshot["position"], scene.grid.cell
     lower, upper = (np.array(corner) for corner in scene.grid.box)
@@ -92,4 +102,5 @@ def in_the_grid(snapshot: Snapshot, scene: Scene) -> Snapshot:
 
 
 def surface_in(snapshot: Snapshot, setup: Setup) -> Surface | None:
-    return surface_of(results.field_of(snapshot, setup))
+    """Return the target's surface near the crater in a snapshot; None if nothing below z = 0 is open."""
+    return surface_of(results.filling_of(snapshot, setup))

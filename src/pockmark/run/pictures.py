@@ -1,4 +1,4 @@
-"""A run folder to its pictures."""
+"""The way from a run folder to its pictures."""
 
 from pathlib import Path
 
@@ -17,7 +17,10 @@ from .store import UNENDED, RunFolder
 
 @UNWARNED
 def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
-    """Draw crater.png (slice panels of the last snapshot) and history.png. Returns the files."""
+    """Draw crater.png (panels of the last snapshot) and history.png, and return the files.
+
+    They are written into `out`, or into the run folder. Raises PockmarkError.
+    """
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
     target = as_path(out) if out else folder.path
@@ -45,7 +48,7 @@ def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
 
 @UNWARNED
 def plot_process(path: AnyPath) -> Figure:
-    """Draw stress and pressure in the last four snapshots of a run folder."""
+    """Return a figure of stress and pressure in the last four snapshots of a run folder. Raises PockmarkError."""
     folder = RunFolder.open(path)
     scene = folder.scene()
     snapshots = [in_the_grid(folder.snapshot(file), scene) for file in folder.snapshots()[-4:]]

@@ -1,4 +1,4 @@
-"""A run from scene to measured folder."""
+"""The way from a scene to a run folder, and on from a checkpoint."""
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -22,8 +22,11 @@ from .tasks import History, KeptTask, ProgressBar, Snapshots
 
 
 class Resumed(NamedTuple):
-    """A run that went on: its folder, whether it was finished, from where (None: it began anew), and what is wrong with newer
-    checkpoints, a sentence each."""
+    """A run that went on.
+
+    `begun` is the checkpoint from which it went on, None if it began anew. `damaged` says of each newer checkpoint
+    what is wrong with it.
+    """
 
     folder: RunFolder
     is_finished: bool
@@ -40,9 +43,10 @@ def run_scene(
     progress: bool = True,
     coarse: bool = False,
 ) -> tuple[RunFolder, bool]:
-    """Run a scene into a folder. Returns the folder and whether the run was finished (not interrupted).
+    """Run a scene into a folder. Return the folder, and whether the run was finished (not interrupted).
 
-    Raises PockmarkError, too, where fewer than four cells lie across a projectile, unless `coarse` allows it.
+    `threads` None takes every core; `force` replaces a run that is there; `progress` shows a bar. Raises
+    PockmarkError, also where fewer than four cells lie across a projectile, unless `coarse` allows it.
     """
     if is_too_coarse(scene) and not coarse:
         raise PockmarkError(
@@ -50,7 +54,7 @@ def run_scene(
             f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
         )
     with heard_between_steps() as stop_if_asked:
-        RunFolder(path).require_free(force=force)  # said before millions of points are laid
+        RunFolder(path).require_free(force=force)  # told before millions of points are made
         simulation = Simulation(scene, threads)
         stop_if_asked()  # before `force` replaces a run
         folder = RunFolder.create(path, scene, force=force)
@@ -61,10 +65,10 @@ def run_scene(
 def resume_run(
     path: AnyPath, *, end_time: float | None = None, threads: int | None = None, progress: bool = True
 ) -> Resumed:
-    """Go on with a run from its newest good checkpoint, to the last bit as if it had never stopped; to a later end if `end_time` (s)
-    says so. A run that was killed before its first checkpoint begins anew.
+    """Go on with a run from its newest good checkpoint, to the last bit as if it had never stopped.
 
-    Raises PockmarkError where there is nothing to go on from, or nowhere to go on to.
+    `end_time` (s) may be a later end. A run that was killed before its first checkpoint begins anew. Raises
+    PockmarkError where there is nothing to go on from, or nowhere to go on to.
     """
     with heard_between_steps() as stop_if_asked:
         folder = RunFolder.open(path)
@@ -85,7 +89,7 @@ def resume_run(
 
 
 def can_resume(path: AnyPath, scene: Scene) -> bool:
-    """Return whether a run of this scene, by this version, was stopped here and has a checkpoint to go on from."""
+    """Return whether a folder holds a stopped run of this scene, by this version, with a checkpoint."""
     try:
         folder = RunFolder.open(path)
         known = folder.manifest()
@@ -100,7 +104,10 @@ def can_resume(path: AnyPath, scene: Scene) -> bool:
 
 
 def _beginning(folder: RunFolder, scene: Scene) -> tuple[Checkpoint | None, dict[Path, str]]:
-    """Return what a run goes on from, and what is wrong with newer checkpoints. Raises PockmarkError where that would lose a result."""
+    """Return the checkpoint from which a run goes on, and what is wrong with newer ones.
+
+    The checkpoint is None if the run begins anew. Raises PockmarkError where that would lose a result.
+    """
     begun, damaged = newest_good(folder.path, scene.course)
     if begun is None and folder.manifest()["status"] != "running":
         why = next(iter(damaged.values()), "output.checkpoints was 0")
@@ -113,7 +120,7 @@ def _beginning(folder: RunFolder, scene: Scene) -> tuple[Checkpoint | None, dict
 
 
 def _to_the_end(folder: RunFolder, end_time: float | None) -> Scene:
-    """Return the scene that a run is to go on with. Raises PockmarkError where it is at its end."""
+    """Return the scene with which a run goes on. Raises PockmarkError if the run is at its end."""
     scene = folder.scene()
     if end_time is None and folder.manifest()["status"] == "finished":
         raise PockmarkError(f"{folder.path}: has finished; --end-time goes on past its end")
@@ -127,7 +134,10 @@ def _to_the_end(folder: RunFolder, end_time: float | None) -> Scene:
 
 
 def _go_back(folder: RunFolder, scene: Scene, begun: Checkpoint | None) -> None:
-    """Make a folder what it was at a checkpoint, or at the start. Killed at any moment, it can be resumed again."""
+    """Make a folder what it was at a checkpoint, or at the start.
+
+    If this is killed at any moment, the run can be resumed again.
+    """
     known = folder.manifest()
     place = {"step": begun.step, "time": begun.time} if begun else {"step": 0, "time": 0.0}
     resumed = [*known.get("resumed", ()), {"at": now()} | place]
@@ -146,7 +156,10 @@ def _run_into(
     progress: bool,
     begun: Checkpoint | None = None,
 ) -> str:
-    """Step a simulation to its end, write what happens into its folder, and return how it ended: finished or interrupted."""
+    """Step a simulation to its end, write what happens into its folder, and return how it ended.
+
+    That is "finished" or "interrupted".
+    """
     began, scene = folder.manifest(), simulation.scene
     history = History(folder, scene.output.history)
     tasks: list[KeptTask] = [history, Snapshots(folder, scene.output.snapshots)]
@@ -168,7 +181,7 @@ def _run_into(
         keeper.finish()
     except KeyboardInterrupt:
         status = "interrupted"
-        keeper.keep(simulation)  # before what a run that goes on would not have written
+        keeper.keep(simulation)  # first: what follows is written by no run that goes on
         _write_last(tasks, simulation)
     except Exception as error:
         with suppress(PockmarkError, MemoryError):  # what stopped the run may stop this too
@@ -188,13 +201,13 @@ def _run_into(
 
 
 def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:
-    """Write a last row and snapshot, so that the crater and the energies that are measured are of the same time."""
+    """Write a last row and snapshot, so that crater and energies are measured at the same time."""
     for task in tasks:
         task.act(simulation)
 
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
-    """Return what a run's manifest says at the end, beside what it has said from the start on."""
+    """Return the part of a run's manifest that is written at its end."""
     scene, counters = simulation.scene, simulation.counters()
     return {
         "status": status,
@@ -217,7 +230,10 @@ def _end(simulation: Simulation, status: str) -> dict[str, Any]:
 
 
 def treatments(scene: Scene) -> str:
-    """Return the failure treatment, or else the model, of each material used, as "material: treatment"."""
+    """Return how each material used fails, as "material: treatment, ...".
+
+    A law without a treatment is named by its model.
+    """
     used = dict.fromkeys(b.material for b in scene.body)
     laws = {name: scene.materials[name].failure for name in used}
     return ", ".join(f"{name}: {getattr(law, 'treatment', law.model)}" for name, law in laws.items())

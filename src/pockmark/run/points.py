@@ -1,4 +1,4 @@
-"""A scene's bodies to material points."""
+"""The material points of a scene's bodies."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 from ..scene.scene import Scene
 
 Array = NDArray[np.float64]
-PIECE = 2**18  # points: what is made of them here comes on top of what the core keeps
+PIECE = 2**18  # points: their arrays here take memory beside what the core keeps
 
 
 @dataclass(frozen=True)
 class Points:
-    """Initial material points: position (n, 3) m, velocity (n, 3) m/s, mass (n,) kg, volume (n,) m^3, body (n,)."""
+    """Material points at the start, n of them.
+
+    position (n, 3) m, velocity (n, 3) m/s, mass (n,) kg, volume (n,) m^3, body (n,), its index.
+    """
 
     position: Array
     velocity: Array
@@ -24,7 +27,7 @@ class Points:
 
 
 def make_points(scene: Scene) -> Iterator[Points]:
-    """Make all points of a scene, piece by piece; what lies behind a symmetry plane is dropped."""
+    """Give all points of a scene, piece by piece. What lies behind a symmetry plane is left out."""
     for index, body in enumerate(scene.body):
         x = body.lattice(scene.grid.box)
         volume = body.point_volume

@@ -1,4 +1,4 @@
-"""What made a run: the machine, the build, the commit, the time."""
+"""The provenance of a run: the machine, the build, the commit, the time."""
 
 import os
 import platform
@@ -30,7 +30,10 @@ def machine() -> dict[str, Any]:
 
 
 def commit() -> str | None:
-    """Return the git commit of the pockmark tree around this file ("-dirty" if its code changed since), or None."""
+    """Return the git commit of the pockmark tree around this file; None if there is none.
+
+    It ends in "-dirty" if the tree's code has changed since.
+    """
     # A virtual environment inside somebody's own repository must not give that repository's commit.
     if _git("ls-files", "--error-unmatch", ":/src/pockmark/run/provenance.py") is None:
         return None
@@ -40,7 +43,7 @@ def commit() -> str | None:
 
 
 def _git(*arguments: str) -> str | None:
-    """Return the output of git in this file's folder, None if it fails or there is no git."""
+    """Return the output of git in this file's folder; None if git fails or is missing."""
     try:
         out = subprocess.run(
             ["git", *arguments],

@@ -1,4 +1,4 @@
-"""A scene as its measures see it."""
+"""The setup of a scene: what its measures and pictures have to know of it."""
 
 from ..base.geometry import Setup
 from ..scene.prospect import arrivals, settled_at
@@ -8,7 +8,7 @@ from .wall import first_wall, walls
 
 
 def setup_of(scene: Scene) -> Setup:
-    """Return what the measures and pictures of a scene's run need to know of it."""
+    """Return the setup of a scene."""
     mass = {i: _mass(scene, i) for i in range(len(scene.body))}
     hits, pitch = _swarm(scene)
     return Setup(
@@ -34,7 +34,7 @@ def setup_of(scene: Scene) -> Setup:
 
 
 def _mass(scene: Scene, i: int) -> float:
-    """Return the mass of a body's points at the start, kg, of what is computed."""
+    """Return the mass at the start of a body's points that are computed, kg."""
     body = scene.body[i]
     return body.count(scene.grid.box) * body.point_volume * scene.materials[body.material].density
 
@@ -45,7 +45,10 @@ def _projectile_diameter(scene: Scene) -> float:
 
 
 def _swarm(scene: Scene) -> tuple[tuple[tuple[float, float], ...], float]:
-    """Return where the balls of the first swarm meet z = 0 on their own paths (x, y; m), and how far neighbours are apart, m."""
+    """Return where the balls of the first swarm meet z = 0 (x, y; m), and the distance of neighbours, m.
+
+    Each ball flies along its own path. Without a swarm there are no places, and the distance is 0.
+    """
     swarms = [
         (body.places, apart) for i in scene.projectiles if (apart := (body := scene.body[i]).neighbours)
     ]
@@ -59,7 +62,7 @@ def _swarm(scene: Scene) -> tuple[tuple[tuple[float, float], ...], float]:
 
 
 def _centre(scene: Scene) -> tuple[float, float]:
-    """Return x and y (m) of the first projectile, or of the grid without one."""
+    """Return x and y (m) of the first projectile; of the grid's middle without one."""
     if scene.projectiles:
         return scene.body[scene.projectiles[0]].foot
     (x0, y0, _), (x1, y1, _) = scene.grid.box

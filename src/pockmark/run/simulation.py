@@ -1,4 +1,4 @@
-"""A run: the core's solver, stepped from event to event."""
+"""A simulation: the core's solver, stepped from event to event."""
 
 import math
 import os
@@ -16,17 +16,20 @@ from .points import make_points
 
 
 class Task(Protocol):
-    """Something that happens during a run, every `interval` seconds of simulated time."""
+    """An action that happens during a run every `interval` seconds of simulated time."""
 
     interval: float
-    exact: bool  # whether the steps must land on its times, which costs about one a landing
+    exact: bool  # whether steps must end exactly at its times, which costs about a step each
 
     def act(self, simulation: "Simulation") -> None:
-        """Act at time 0, at each multiple of the interval or the first step beyond, and at the end."""
+        """Act at time 0, at each multiple of the interval or with the first step beyond, and at the end."""
 
 
 class Simulation:
-    """The state of one scene. Positions etc. come as copies in SI, in the core's current order."""
+    """The state of a scene as it is stepped.
+
+    What is returned of its points are copies in SI, in the core's present order.
+    """
 
     def __init__(
         self,
@@ -37,14 +40,15 @@ class Simulation:
         driver: str = _core.DRIVER,
         sleep: bool = True,
     ) -> None:
-        """Make the points and the grid, or go on from the `parts` that another simulation of the scene has saved.
+        """Make the points and the grid, or restore the `parts` that another simulation of the scene has saved.
 
-        `driver="plain"` steps a point at a time on one thread: the reference. `sleep=False` steps what is at rest too,
-        with the same result. Raises PockmarkError on a body without points, too many threads, or parts that do not fit.
+        `threads` None takes every core. `driver="plain"` steps a point at a time on one thread: the reference.
+        `sleep=False` steps what is at rest, too, with the same result. Raises PockmarkError for a body without
+        points, for too many threads, and for parts that do not fit.
         """
         self.scene = scene
         self.threads = thread_count(threads)
-        self.end_time = scene.end_time  # of the run, s
+        self.end_time = scene.end_time  # s, at which the run ends
         self.acted: list[int] = []  # how often each task of the run has acted
         self.stepping_seconds = 0.0
         self.point_steps = 0
@@ -61,59 +65,61 @@ class Simulation:
             raise PockmarkError(f"what was saved does not fit the scene: {error}") from None
 
     def save(self) -> dict[str, Any]:
-        """Return all that a step reads of the steps before it: numbers, and arrays (n,), the long ones as views of the solver's memory.
+        """Return all that a step reads of the steps before it: numbers, and arrays (n,).
 
-        A simulation of the same scene that is made of them goes on to the last bit as this one does, on any number of
-        threads.
+        Long arrays are views of the solver's memory. A simulation of the same scene that is made of these parts goes
+        on as this one does, to the last bit, on any number of threads.
         """
         return dict(self._solver.save())
 
     @property
     def time(self) -> float:
-        """Simulated time, s."""
+        """Return the simulated time, s."""
         return float(self._solver.time)
 
     @property
     def steps(self) -> int:
-        """Steps done."""
+        """Return the number of steps done."""
         return int(self._solver.cycle)
 
     @property
     def points(self) -> int:
-        """Material points still in the grid."""
+        """Return the number of material points in the grid."""
         return int(self._solver.points)
 
     @property
     def rate(self) -> float:
-        """Particle-steps a second of stepping."""
+        """Return the particle-steps a second of stepping; 0 before the first step."""
         return self.point_steps / self.stepping_seconds if self.stepping_seconds > 0 else 0.0
 
     def field(self, name: str) -> NDArray[Any]:
-        """Return a field of the points by its name in `field_names`, (n,) or (n, components)."""
+        """Return a field of the points, (n,) or (n, components), SI. `field_names` has the names."""
         return np.asarray(self._solver.field(name))
 
     def volume_fraction(self, bodies: Sequence[int]) -> NDArray[np.float32]:
-        """Return the share of the space around each node, one outside of each face included, that the points of some bodies fill; half
-        of it at a face."""
+        """Return the share of the space around each node that the points of some bodies fill.
+
+        The array has cells + 3 nodes along each axis: those of the grid, and one beyond each face. At a face only
+        half of the space can be filled.
+        """
         return np.asarray(self._solver.volume_fraction([i in bodies for i in range(len(self.scene.body))]))
 
     def snapshot(self) -> dict[str, NDArray[Any]]:
-        """Return all fields of all points."""
+        """Return all fields of all points, by their names."""
         return {name: self.field(name) for name in field_names()}
 
     def ledger(self) -> dict[str, float]:
-        """Return where the energy is (J), momentum (kg m/s) and mass (kg)."""
+        """Return the ledger: where energy (J), momentum (kg m/s) and mass (kg) are."""
         return dict(self._solver.ledger())
 
     def counters(self) -> dict[str, int]:
-        """Return how often each clamp, floor and loss happened."""
+        """Return how often each clamp, floor and loss has happened."""
         return dict(self._solver.counters())
 
     def impossible(self) -> dict[str, tuple[int, list[float], list[float]]]:
-        """Count the points that are in an impossible state now.
+        """Return the points that are in an impossible state now, by the names of the counters.
 
-        The keys are those of the counters. Each value holds the number of points, and the lower and the upper corner of a
-        box around them, m.
+        Each value holds how many they are, and the lower and the upper corner of a box around them, m.
         """
         return dict(self._solver.impossible())
 
@@ -123,12 +129,12 @@ class Simulation:
 
     @property
     def sorts(self) -> int:
-        """How often the points were put in the order of the cells."""
+        """Return how often the points were put in the order of the cells."""
         return int(self._solver.sorts)
 
     @property
     def sleeping_points(self) -> int:
-        """Points that a step passes over, because nothing near them has moved yet."""
+        """Return the number of points that a step passes over, because nothing near them has moved yet."""
         return int(self._solver.sleeping_points)
 
     def memory(self) -> dict[str, int]:
@@ -137,11 +143,14 @@ class Simulation:
 
     @property
     def max_compression(self) -> float:
-        """Largest rho/rho0 of any point so far."""
+        """Return the largest rho/rho0 of any point so far."""
         return float(self._solver.max_compression())
 
     def advance(self, end_time: float, max_steps: int = 2**62, pause: float = math.inf) -> int:
-        """Step until `end_time` (s), hit exactly, or `pause` (s), hit or passed, or for `max_steps`. Returns the steps done."""
+        """Step until `end_time` (s) or `pause` (s), at most `max_steps` times. Return the number of steps done.
+
+        The end is hit exactly. The pause is hit or passed.
+        """
         start = time.perf_counter()
         points = self.points
         steps = int(self._solver.advance(max_steps=max_steps, end_time=end_time, pause=pause))
@@ -156,10 +165,12 @@ class Simulation:
         watch: Callable[["Simulation"], None] | None = None,
         acted: Sequence[int] | None = None,
     ) -> None:
-        """Step to the end, calling each task at its times; those of `exact` tasks, and the end, are hit exactly.
+        """Step to the end, and let each task act at its times.
 
-        `watch` is called every second or so and changes nothing; `acted` says how often each task has acted before, in a run that
-        goes on. KeyboardInterrupt comes through between steps. Raises PockmarkError where the end is no finite time.
+        The end, and the times of `exact` tasks, are hit exactly. `end_time` (s) may be another than the scene's.
+        `watch` is called every second or so, and must change nothing. `acted` says how often each task has acted
+        before, in a run that goes on. KeyboardInterrupt comes through between steps. Raises PockmarkError where the
+        end is no finite time.
         """
         end = self.scene.end_time if end_time is None else end_time
         if not math.isfinite(end):
@@ -184,7 +195,10 @@ class Simulation:
 
 
 def thread_count(asked: int | None) -> int:
-    """Return the threads to use: every core for 0 or None. Raises PockmarkError where more could only be in each other's way."""
+    """Return the number of threads to use: every core for 0 or None.
+
+    Raises PockmarkError for more than four a core, which would only be in each other's way.
+    """
     cores = len(os.sched_getaffinity(0))
     most = 4 * cores
     if not 0 <= (asked or 0) <= most:
@@ -195,24 +209,24 @@ def thread_count(asked: int | None) -> int:
 
 
 class LiveFields(Mapping[str, NDArray[Any]]):
-    """The fields of a simulation as they are now, each copied only when it is asked for."""
+    """The fields of a simulation as they are now. Each is copied when it is asked for."""
 
     def __init__(self, simulation: Simulation) -> None:
-        """Read the fields of `simulation`, which must not step while they are read."""
+        """Wrap a simulation, which must not step while its fields are read."""
         self._simulation = simulation
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return a field by its name."""
+        """Return a field by its name. Raises KeyError for no name of a field."""
         if name not in field_names():
             raise KeyError(name)
         return self._simulation.field(name)
 
     def __iter__(self) -> Iterator[str]:
-        """Return the names."""
+        """Return the names of the fields."""
         return iter(field_names())
 
     def __len__(self) -> int:
-        """Return how many there are."""
+        """Return the number of fields."""
         return len(field_names())
 
 

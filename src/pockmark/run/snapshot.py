@@ -17,15 +17,19 @@ from ..metrology.stress import effective_stress
 from .hdf5 import SUM, dataset_in, group_in, put, sum_of, written
 
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
-# What measures and pictures are made of: a snapshot without one of them is none.
+# The fields of which measures and pictures are made. A file without one of them is no snapshot.
 NEEDED = ("position", "velocity", "mass", "volume", "deviator", "pressure", "body", "time")
-DERIVED = {"deviator": ("effective_stress", effective_stress)}  # written beside a field, what follows from it
-HASH = "scene_hash"  # of the scene that the points are of
+DERIVED = {
+    "deviator": ("effective_stress", effective_stress)
+}  # what follows from a field and is written beside it
+HASH = "scene_hash"  # attribute: the hash of the points' scene
 
 
 class Snapshot(Mapping[str, NDArray[Any]]):
-    """The fields of a snapshot file, each read when it is first asked for; `time` is an array of one. `scene_hash` is None in files of
-    before it was written."""
+    """The fields of a snapshot's file. Each is read when it is first asked for.
+
+    `time` is an array of one, s. `scene_hash` is None in files of before it was written.
+    """
 
     def __init__(self, path: Path) -> None:
         """Look at the shapes of all fields. Raises PockmarkError if the file is not a whole snapshot."""
@@ -54,15 +58,15 @@ class Snapshot(Mapping[str, NDArray[Any]]):
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:
-        """Return the names."""
+        """Return the names of the fields."""
         return iter(self._places)
 
     def __len__(self) -> int:
-        """Return how many there are."""
+        """Return the number of fields."""
         return len(self._places)
 
     def _dataset(self, root: h5py.Group, name: str, size: int) -> h5py.Dataset:
-        """Return a field's dataset. Raises PockmarkError if it has not the shape of the points."""
+        """Return a field's dataset. Raises PockmarkError unless it has the shape and the type of the field."""
         place = self._places[name]
         dataset = dataset_in(root, place, size)
         components = COMPONENTS.get(name, 1)
@@ -98,7 +102,7 @@ class Snapshot(Mapping[str, NDArray[Any]]):
 def write_snapshot(
     path: Path, fields: Mapping[str, NDArray[Any]], time_s: float, step: int, scene_hash: str
 ) -> None:
-    """Write all fields of all points of a scene into a new file. Raises PockmarkError, and then there is none."""
+    """Write all fields of all points of a scene into a new file. Raises PockmarkError, and then there is no file."""
     with written(path) as file:
         _write_vtkhdf(file, fields, time_s, step)
         file["VTKHDF"].attrs[HASH] = np.bytes_(scene_hash.encode())
@@ -120,7 +124,7 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
     for name in fields:
         if name == "position":
             continue
-        values = fields[name]  # asked for once: the fields of a simulation are copies
+        values = fields[name]  # asked for once: a simulation copies a field each time
         put(data, name, values)
         if name in DERIVED:
             derived, compute = DERIVED[name]
@@ -131,6 +135,6 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
 
 
 def _hash(root: h5py.Group) -> str | None:
-    """Return the hash of the scene that a snapshot is of, None where it does not say."""
+    """Return the hash of the scene of a snapshot; None if the file has none."""
     found = root.attrs.get(HASH)
     return None if found is None else bytes(found).decode(errors="replace")

@@ -18,23 +18,24 @@ class _Note:
         self.asked = True
 
     def stop_if_asked(self) -> None:
+        """Raise KeyboardInterrupt if the handler was called."""
         if self.asked:
             raise KeyboardInterrupt
 
 
 @contextmanager
 def heard_between_steps() -> Iterator[Callable[[], None]]:
-    """Only note these signals within, however many; the function that is given raises KeyboardInterrupt then.
+    """Give a function that raises KeyboardInterrupt if one of SIGNALS has come. They do nothing else meanwhile.
 
-    So no file is torn, and an impatient second Ctrl-C does not lose what the first one keeps. One within another shares
-    what the outer one has noted.
+    So no file is torn, and an impatient second Ctrl-C does not lose what the first one keeps. An inner one of these
+    shares what the outer one has noted.
     """
     handlers = {number: signal.getsignal(number) for number in SIGNALS}
     note = next((handler for handler in handlers.values() if isinstance(handler, _Note)), None) or _Note()
     old = {}
     if threading.current_thread() is threading.main_thread():  # no other may set handlers
         for number, handler in handlers.items():
-            if handler not in (signal.SIG_IGN, None):  # as under nohup; not Python's
+            if handler not in (signal.SIG_IGN, None):  # ignored as under nohup; or not set by Python
                 old[number] = signal.signal(number, note)
     try:
         yield note.stop_if_asked

@@ -1,7 +1,5 @@
 """The run folder: scene.toml, manifest.json, history.csv and snapshot-NNNN.vtkhdf files that ParaView opens."""
 
-import json
-import math
 import os
 import re
 from collections.abc import Mapping
@@ -13,7 +11,8 @@ from numpy.typing import NDArray
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, open_regular, read_text, told, write_text
+from ..base.files import AnyPath, as_path, cut_off, read_text, size_on_disk, told, write_text
+from ..base.json import to_json
 from ..base.toml import parse_toml
 from ..scene.scene import Scene, hash_of
 from .history import Rows, append_row, read_rows
@@ -36,14 +35,14 @@ OWN_FILES = (
 )
 SNAPSHOT = re.compile(r"snapshot-(\d{1,9})\.vtkhdf")
 UNENDED = ("running", "killed")
-NOTHING = {"history": 0, "snapshot": -1}  # how far the files of a run are that has just begun
+NOTHING = {"history": 0, "snapshot": -1}  # the extent of a run that has just begun
 
 
 class RunFolder:
-    """One run on disk."""
+    """A run on disk."""
 
     def __init__(self, path: AnyPath) -> None:
-        """Wrap a path; nothing is touched."""
+        """Wrap a path; nothing is touched. Raises PockmarkError for what cannot be a path."""
         self.path = as_path(path)
         self._lock: Lock | None = None
 
@@ -53,7 +52,10 @@ class RunFolder:
 
     @classmethod
     def create(cls, path: AnyPath, scene: Scene, *, force: bool = False) -> "RunFolder":
-        """Make the folder for a new run and lock it until release(). Raises PockmarkError if something else is there."""
+        """Make the folder for a new run, and lock it until release().
+
+        Raises PockmarkError if something else is there.
+        """
         folder = cls(path)
         folder.require_free(force=force)
         with told(folder.path):
@@ -79,7 +81,10 @@ class RunFolder:
         return folder
 
     def require_free(self, *, force: bool) -> None:
-        """Raise PockmarkError unless a run may be written here: into an empty folder, or by `force` over a run that is over."""
+        """Raise PockmarkError unless a run may be written here.
+
+        It may be written into an empty folder, and with `force` over a run that is over.
+        """
         with told(self.path):
             if self.path.exists() and not self.path.is_dir():
                 raise PockmarkError(f"{self.path}: is a file, expected a folder to write the run to")
@@ -93,7 +98,10 @@ class RunFolder:
             raise PockmarkError(f"{self.path}: holds a run (--force replaces it)")
 
     def lock(self) -> None:
-        """Keep other processes from running in the folder, until release(). Raises PockmarkError naming one that does."""
+        """Keep other processes from running in the folder until release().
+
+        Raises PockmarkError naming the one that runs in it.
+        """
         self._lock = Lock(self.path)
 
     def release(self) -> None:
@@ -111,7 +119,7 @@ class RunFolder:
         return True
 
     def clear(self) -> None:
-        """Remove what pockmark wrote; files of the user's stay."""
+        """Remove what pockmark has written; other files stay."""
         self._clear_parts()  # first: a folder without a manifest is no run
         for pattern in OWN_FILES:
             for file in self.path.glob(pattern):
@@ -119,14 +127,14 @@ class RunFolder:
                     file.unlink()
 
     def _clear_parts(self) -> None:
-        """Remove what was being written when its process was killed."""
+        """Remove what a process was writing when it was killed."""
         for pattern in OWN_FILES:
             for file in self.path.glob(f"{pattern}*.part"):
                 with told(file):
                     file.unlink()
 
     def scene(self) -> Scene:
-        """Return the scene of the run. Raises PockmarkError if scene.toml is not what the run was started with."""
+        """Return the run's scene. Raises PockmarkError if scene.toml is not what the run was started with."""
         path = self.path / "scene.toml"
         table, known = parse_toml(read_text(path), path), self.manifest()
         # The title was part of the hash before the physics was counted.
@@ -145,12 +153,19 @@ class RunFolder:
             raise PockmarkError(f"{path}: {error}") from None
 
     def status(self) -> str:
-        """Return how the run stands: running, finished, interrupted, failed, or killed, which it could not write itself."""
+        """Return how the run stands: running, finished, interrupted, failed or killed.
+
+        A killed run could not write that it was: its manifest says running, but nobody holds its lock.
+        """
         status = str(self.manifest()["status"])
         return "killed" if status == "running" and holder(self.path) is None else status
 
     def record(self, cells: int) -> Measured:
-        """Return what the manifest says of the run's end; of a run without one, in `cells` cells, what its last row says."""
+        """Return what the manifest says of the run's end.
+
+        Of a run without an end it is what its last row says; `cells` is the number of the grid's cells. Raises
+        PockmarkError.
+        """
         ended = self.status() not in UNENDED
         table = self.manifest() if ended else row_as_record(self.rows().last, cells)
         try:
@@ -163,7 +178,10 @@ class RunFolder:
         write_text(self.path / MANIFEST, to_json(table) + "\n")
 
     def change_end(self, scene: Scene) -> None:
-        """Replace the scene by one that ends later. Killed at any moment, the folder holds one of the two."""
+        """Replace the scene by one that ends later.
+
+        If this is killed at any moment, the folder holds one of the two.
+        """
         known = self.manifest()
         earlier = [*known.get("earlier_scene_hashes", ()), known["scene_hash"]]
         self.write_manifest(known | {"next_scene_hash": scene.hash, "earlier_scene_hashes": earlier})
@@ -171,39 +189,48 @@ class RunFolder:
         self.write_manifest(known | {"scene_hash": scene.hash, "earlier_scene_hashes": earlier})
 
     def extent(self) -> dict[str, int]:
-        """Return how far the files are, once they are on the disk: bytes of history.csv, number of the last snapshot (-1: none)."""
+        """Return how far the files are: bytes of history.csv, number of the last snapshot (-1 for none).
+
+        It waits until they are on the disk.
+        """
         history, last = self.path / HISTORY, self.snapshots()[-1:]
         extent = dict(NOTHING)
         if history.exists():
-            extent["history"] = _on_disk(history)
+            extent["history"] = size_on_disk(history)
         for path in last:
-            _on_disk(path)
+            size_on_disk(path)
             extent["snapshot"] = _number(path) or 0
         return extent
 
     def rewind(self, extent: Mapping[str, int]) -> None:
-        """Take off what was written since the files were this far. Raises PockmarkError if it lacks what it had then."""
+        """Remove what was written since the files were as far as `extent`.
+
+        Raises PockmarkError if the folder lacks what it had then.
+        """
         self._clear_parts()
         now = self.extent()
         if lacking := [name for name in extent if now[name] < extent[name]]:
             raise PockmarkError(f"{self.path}: its {lacking[0]} has lost what was there at the checkpoint")
         if now["history"] > extent["history"]:
-            _cut(self.path / HISTORY, extent["history"])
+            cut_off(self.path / HISTORY, extent["history"])
         for path in self.snapshots():
             if (_number(path) or 0) > extent["snapshot"]:
                 with told(path):
                     path.unlink()
 
     def append_history(self, row: Mapping[str, float]) -> None:
-        """Add a row to history.csv; the first one writes the header."""
+        """Add a row to history.csv. The first row writes the header."""
         append_row(self.path / HISTORY, row)
 
     def rows(self) -> Rows:
-        """Return the rows of history.csv, without one that a process is at, or was when it was killed."""
+        """Return the rows of history.csv. Raises PockmarkError.
+
+        A last row that is being written, or that was when the process was killed, is left out.
+        """
         return read_rows(self.path / HISTORY, torn_end=self.status() in UNENDED)
 
     def history(self, *needed: str) -> dict[str, NDArray[np.float64]]:
-        """Return the columns of history.csv. Raises PockmarkError if one that is `needed` is missing."""
+        """Return the columns of history.csv. Raises PockmarkError if one of the `needed` is missing."""
         columns = self.rows().columns
         if missing := [name for name in needed if name not in columns]:
             raise PockmarkError(f"{self.path / HISTORY}: lacks the column {missing[0]}")
@@ -218,7 +245,7 @@ class RunFolder:
         )
 
     def write_snapshot(self, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> Path:
-        """Write all fields of all points as the next VTKHDF file."""
+        """Write all fields of all points as the next snapshot, and return its file."""
         found = self.snapshots()
         number = 1 + (_number(found[-1]) or 0) if found else 0
         path = self.path / f"snapshot-{number:04d}.vtkhdf"
@@ -226,7 +253,7 @@ class RunFolder:
         return path
 
     def last_snapshot(self) -> Snapshot:
-        """Return the fields of the last snapshot; of a run that was killed, of the last whole one. Raises PockmarkError."""
+        """Return the last snapshot; of a killed run the last whole one. Raises PockmarkError."""
         found = self.snapshots()
         if not found:
             raise PockmarkError(f"{self.path}: holds no snapshot")
@@ -240,7 +267,7 @@ class RunFolder:
         return self.snapshot(found[-1])
 
     def snapshot(self, path: Path) -> Snapshot:
-        """Return the fields of one of its snapshots. Raises PockmarkError if that is none, or of another scene."""
+        """Return one of the run's snapshots. Raises PockmarkError if it is none, or of another scene."""
         read = Snapshot(path)
         known = self.manifest()
         if read.scene_hash not in (None, known["scene_hash"], *known.get("earlier_scene_hashes", ())):
@@ -248,28 +275,14 @@ class RunFolder:
         return read
 
 
-def _on_disk(path: Path) -> int:
-    """Wait until a file is on the disk, and return its bytes."""
-    descriptor = open_regular(path, os.O_RDONLY)
-    with told(path), open(descriptor, "rb") as file:
-        os.fsync(descriptor)
-        return os.fstat(file.fileno()).st_size
-
-
-def _cut(path: Path, size: int) -> None:
-    """Take off what a file has beyond `size` bytes."""
-    with told(path), open(open_regular(path, os.O_WRONLY), "wb", buffering=0) as file:
-        file.truncate(size)
-
-
 def _number(path: Path) -> int | None:
-    """Return the number of a snapshot's file, None for another file."""
+    """Return the number of a snapshot's file; None for another file."""
     name = SNAPSHOT.fullmatch(path.name)
     return int(name[1]) if name else None
 
 
 def _start(scene: Scene) -> dict[str, Any]:
-    """Return what a run's manifest says from the start on."""
+    """Return the part of a run's manifest that is written at its start."""
     return {
         "status": "running",
         "pockmark": __version__,
@@ -280,17 +293,3 @@ def _start(scene: Scene) -> dict[str, Any]:
         "machine": machine(),
         "options": scene.numerics.model_dump(),
     }
-
-
-def finite(value: Any) -> Any:
-    """Return the value, with None for what is no number (nan, inf) anywhere in its tables and lists: JSON has no word for it."""
-    if isinstance(value, Mapping):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def to_json(value: Any) -> str:
-    """Return JSON that every reader reads."""
-    return json.dumps(finite(value), indent=2, allow_nan=False)

@@ -1,4 +1,4 @@
-"""What happens during a run: history, snapshots, the progress bar."""
+"""The tasks of a run: history and snapshots; and the progress bar, which is none."""
 
 import time
 from collections.abc import Mapping
@@ -15,17 +15,20 @@ from .store import RunFolder
 
 
 class KeptTask(Task, Protocol):
-    """A task with a state that a checkpoint keeps: what JSON can hold."""
+    """A task with a state that a checkpoint keeps, such as JSON can hold."""
 
     def state(self) -> dict[str, Any]:
-        """Return what it needs to go on."""
+        """Return what the task needs to go on."""
 
     def set_state(self, state: Mapping[str, Any]) -> None:
-        """Go on from there."""
+        """Take up a state, to go on from there."""
 
 
 class History:
-    """A row of history.csv every `interval` seconds, or with the step after: ledger, depth, extremes, counters."""
+    """The task that writes a row of history.csv every `interval` seconds, or with the first step after.
+
+    A row has the ledger, the depth, the largest compression and the counters.
+    """
 
     exact = False
 
@@ -54,13 +57,13 @@ class History:
         return {"written": self._written, "doubts": self.doubts.state()}
 
     def set_state(self, state: Mapping[str, Any]) -> None:
-        """Go on after a row."""
+        """Take up a state, to go on after its row."""
         self._written = state["written"]
         self.doubts.set_state(state["doubts"])
 
 
 class Snapshots:
-    """A VTKHDF file every `interval` seconds, exactly."""
+    """The task that writes a VTKHDF file every `interval` seconds, exactly."""
 
     exact = True
 
@@ -70,7 +73,7 @@ class Snapshots:
         self._written = -1.0
 
     def act(self, simulation: Simulation) -> None:
-        """Write all fields of all points, if this time's are not written yet."""
+        """Write all fields of all points, unless those of this time are written."""
         if simulation.time == self._written:
             return
         # Field by field: all at once would double the memory of the run.
@@ -82,12 +85,12 @@ class Snapshots:
         return {"written": self._written}
 
     def set_state(self, state: Mapping[str, Any]) -> None:
-        """Go on after a snapshot."""
+        """Take up a state, to go on after its snapshot."""
         self._written = state["written"]
 
 
 class ProgressBar:
-    """Simulated time, rate, time left and depth on the terminal."""
+    """A line on the terminal: simulated time, rate, time left and depth."""
 
     def __init__(self, simulation: Simulation) -> None:
         """Start the bar at once; call close() at the end."""
@@ -104,7 +107,7 @@ class ProgressBar:
         self._bar.start()
 
     def watch(self, simulation: Simulation) -> None:
-        """Show where the run is, every second. No task: it must not move the steps."""
+        """Show where the run is, once a second. It is no task, for it must not change the steps."""
         if time.monotonic() - self._shown < 1.0 and simulation.time < simulation.end_time:
             return
         self._shown = time.monotonic()

@@ -1,4 +1,4 @@
-"""The wall that a crater is measured in: the target's bodies that a projectile meets first."""
+"""The walls of a scene. The crater is measured in the first one."""
 
 import numpy as np
 
@@ -8,8 +8,10 @@ from ..scene.scene import Scene
 
 
 def walls(scene: Scene) -> list[tuple[int, ...]]:
-    """Return the target's bodies (their indices) in groups that touch one another; what stands behind a gap is another wall, and what
-    moves by itself is none."""
+    """Return the walls, each as the indices of its bodies: bodies of the target that touch one another.
+
+    A body behind a gap is of another wall. One that moves by itself is of none.
+    """
     left, found = [i for i in scene.targets if scene.body[i].velocity is None], []
     while left:
         group = [left.pop(0)]
@@ -21,7 +23,10 @@ def walls(scene: Scene) -> list[tuple[int, ...]]:
 
 
 def first_wall(scene: Scene) -> Wall | None:
-    """Return the wall, or those side by side, with a block whose top lies at z = 0, to half a point spacing; None without one."""
+    """Return the wall with a block whose top lies at z = 0, to half a point spacing; None without one.
+
+    Several such walls side by side are one.
+    """
     bodies = tuple(
         sorted(i for wall in walls(scene) if any(_is_at_zero(scene.body[i]) for i in wall) for i in wall)
     )
@@ -35,9 +40,10 @@ def first_wall(scene: Scene) -> Wall | None:
 
 
 def _is_at_zero(body: Solid) -> bool:
+    """Return whether a body has a level top at z = 0, to half a point spacing."""
     return body.flat_top is not None and abs(body.flat_top) <= body.spacing / 2
 
 
 def _touch(a: Solid, b: Solid) -> bool:
-    """Return whether no gap of half a point spacing lies between the boxes of two bodies."""
+    """Return whether the gap between the boxes of two bodies is less than half a point spacing."""
     return box_gap(a, b) < max(a.spacing, b.spacing) / 2

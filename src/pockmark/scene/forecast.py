@@ -1,4 +1,4 @@
-"""What is known of a run before it starts: its size, its memory and disk, its time."""
+"""The forecast of a run: its size, memory, disk and time, before it starts."""
 
 import math
 from dataclasses import dataclass, field
@@ -9,18 +9,17 @@ from .prospect import impact_rows
 from .scene import Scene
 from .warnings import cells_across, warnings
 
-# Peak of the resident memory, measured (benchmarks/README.md, "Memory"). The core keeps, by the bytes of a number:
+# Peak of the resident memory, measured (benchmarks/README.md, "Memory"). The core keeps numbers (8 or 4 bytes) and bytes:
 NUMBERS_PER_POINT, BYTES_PER_POINT = 21, 22  # fields, the sort's scratch; body, id, cell, order, runs
 NUMBERS_PER_NODE, BYTES_PER_NODE = 16, 4
-BYTES_PER_POINT_WRITTEN = (
-    72  # while a snapshot is written: the deviator as doubles, the effective stress and its terms
-)
-BYTES_PER_POINT_MEASURED = 140  # when the core is gone: the fields that are read, and the crater's
-RUNNING, DRAWING = 148 * 2**20, 180 * 2**20  # Python and the libraries; with what matplotlib loads to draw
+# While a snapshot is written: the deviator as doubles, the effective stress and its terms.
+BYTES_PER_POINT_WRITTEN = 72
+BYTES_PER_POINT_MEASURED = 140  # when the core is gone: the fields that are read, and the crater's arrays
+RUNNING, DRAWING = 148 * 2**20, 180 * 2**20  # bytes: Python and the libraries; the same with matplotlib
 # On the disk, whatever the precision:
-BYTES_PER_POINT_KEPT = 174  # of a snapshot
-BYTES_PER_ROW = 450  # of the history
-NUMBERS_IN_CHECKPOINT = 20  # a point
+BYTES_PER_POINT_KEPT = 174  # in a snapshot
+BYTES_PER_ROW = 450  # in the history
+NUMBERS_IN_CHECKPOINT = 20  # for a point
 BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 300_000
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
@@ -28,7 +27,7 @@ TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a run will take, before anything runs."""
+    """The figures that a run will have, as far as they are known before it starts."""
 
     points: int
     cells: int
@@ -36,13 +35,13 @@ class Forecast:
     memory: float  # bytes: the peak of `pockmark run`, its measuring and drawing included
     disk: float  # bytes of the run folder
     seconds: float
-    cells_across: float | None  # of the grid across the smallest projectile
+    cells_across: float | None  # how many cells lie across the smallest projectile
     impact: tuple[tuple[str, str], ...] = ()  # what hits, and how hard: names and values
     warnings: list[str] = field(default_factory=list)
 
 
 def forecast(scene: Scene, threads: int) -> Forecast:
-    """Forecast points, cells, steps, memory, disk and time of a scene, with warnings."""
+    """Return points, cells, steps, memory, disk and time that a scene will take, with warnings."""
     points = sum(body.count(scene.grid.box) for body in scene.body)
     steps = math.ceil(scene.steps_about)
     slower = 2.8 if scene.numerics.shape_functions == "quadratic" else 1.0
@@ -62,7 +61,7 @@ def forecast(scene: Scene, threads: int) -> Forecast:
 
 
 def available_memory() -> float | None:
-    """Return the memory that can be had without swapping, bytes; None where the system does not tell."""
+    """Return the memory that is free without swapping, bytes; None if the system does not tell."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
@@ -72,7 +71,10 @@ def available_memory() -> float | None:
 
 
 def _peak(scene: Scene, points: int) -> float:
-    """Return the largest resident memory, bytes: while a snapshot is written, or while the crater is measured and drawn."""
+    """Return the largest resident memory, bytes.
+
+    It is reached while a snapshot is written, or while the crater is measured and drawn.
+    """
     number = 8 if scene.numerics.precision == "double" else 4
     nodes = scene.grid.node_count * (2 if scene.contact else 1)
     core = points * (NUMBERS_PER_POINT * number + BYTES_PER_POINT)
@@ -83,7 +85,7 @@ def _peak(scene: Scene, points: int) -> float:
 
 def _disk(scene: Scene, points: int) -> float:
     """Return the size of the run folder, bytes, if no point leaves the grid."""
-    # The last ones, at the end, are not counted twice where the interval divides it.
+    # Where the interval divides the end time, the last ones are those at the end.
     snapshots, rows = (
         1 + math.ceil(scene.end_time / interval - 1e-9)
         for interval in (scene.output.snapshots, scene.output.history)
@@ -95,6 +97,7 @@ def _disk(scene: Scene, points: int) -> float:
 
 
 def _memory_warning(needed: float, available: float | None) -> list[str]:
+    """Say that memory is short, if it is."""
     if available is None or needed <= available:
         return []
     return [f"it needs {needed / 2**20:,.0f} MiB of memory, {available / 2**20:,.0f} MiB are free"]

@@ -7,7 +7,7 @@ from pydantic import Field, model_validator
 
 from ..base.units import Length
 from .bodies import Vector, require_size
-from .materials import Model
+from .model import Model
 
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
@@ -15,7 +15,7 @@ MAX_NODES = 2**32 - 2  # what the core can number
 
 
 class Grid(Model):
-    """The background grid: a box of cubic cells. The upper corner is rounded up to whole cells."""
+    """The background grid: a box of cubic cells. Its upper corner is rounded up to whole cells."""
 
     lower: Vector
     upper: Vector
@@ -23,34 +23,34 @@ class Grid(Model):
 
     @property
     def cells(self) -> tuple[int, int, int]:
-        """Number of cells along x, y, z."""
+        """Return the number of cells along x, y, z."""
         x, y, z = (math.ceil((u - w) / self.cell - 1e-9) for w, u in zip(self.lower, self.upper, strict=True))
         return x, y, z
 
     @property
     def cell_count(self) -> int:
-        """Number of cells."""
+        """Return the number of cells."""
         return math.prod(self.cells)
 
     @property
     def node_count(self) -> int:
-        """Number of nodes, with the rim around the cells."""
+        """Return the number of nodes, with the layer beyond each face."""
         return math.prod(n + 3 for n in self.cells)
 
     @property
     def corner(self) -> tuple[float, ...]:
-        """The upper corner after rounding to whole cells, m."""
+        """Return the upper corner after rounding to whole cells, m."""
         return tuple(w + n * self.cell for w, n in zip(self.lower, self.cells, strict=True))
 
     @property
     def box(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Lower and upper corners, m."""
+        """Return the lower and the upper corner, m."""
         return self.lower, self.corner
 
     @model_validator(mode="after")
     def _has_size(self) -> Self:
         require_size(self.lower, self.upper)
-        # With the rim around them; in floats, which may be infinite where no whole number is.
+        # With the layer beyond each face, and a cell for rounding. As floats, for these may be infinite.
         nodes = math.prod((u - w) / self.cell + 4 for w, u in zip(self.lower, self.upper, strict=True))
         if not nodes <= MAX_NODES:
             raise ValueError(f"a cell of {self.cell:g} m makes {nodes:.3g} nodes, at most {MAX_NODES} fit")
@@ -58,7 +58,7 @@ class Grid(Model):
 
 
 class Boundary(Model):
-    """What each face of the grid does."""
+    """The kinds of the grid's faces."""
 
     x_lower: FaceKind = "transmitting"
     x_upper: FaceKind = "transmitting"
@@ -69,5 +69,5 @@ class Boundary(Model):
 
     @property
     def faces(self) -> tuple[FaceKind, ...]:
-        """The six faces in the core's order."""
+        """Return the kinds of the six faces in the core's order."""
         return (self.x_lower, self.x_upper, self.y_lower, self.y_upper, self.z_lower, self.z_upper)

@@ -1,4 +1,4 @@
-"""How the projectiles come."""
+"""The impact: how the projectiles come."""
 
 import math
 from typing import Annotated
@@ -6,12 +6,15 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from ..base.units import Angle, Speed
-from .materials import Model
+from .model import Model
 
 
 class Impact(Model):
-    """Velocity of the projectile bodies: speed, angle from the normal of the surface, and the direction along the surface that
-    a positive angle leads to: azimuth, about z from +x towards +y."""
+    """The velocity of the projectiles.
+
+    `angle` is from the normal of the surface. `azimuth` is the direction along the surface to which a positive angle
+    leads: about z, from +x towards +y.
+    """
 
     speed: Annotated[Speed, Field(ge=0)]
     angle: Angle = 0.0
@@ -35,20 +38,26 @@ class Impact(Model):
 
     @property
     def velocity(self) -> tuple[float, float, float]:
-        """m/s; exactly 0 across the azimuth where that is a multiple of 90 degrees."""
+        """Return the velocity, m/s.
+
+        Across an azimuth that is a multiple of 90 degrees it is exactly 0.
+        """
         along = self.speed * math.sin(self.angle)
         x, y = _unit(self.azimuth)
         return along * x + 0.0, along * y + 0.0, -self.speed * math.cos(self.angle)  # + 0.0: no -0.0
 
     @property
     def heading(self) -> tuple[float, float]:
-        """Unit vector along the surface that the projectiles move to; of a normal impact the azimuth's."""
+        """Return the unit vector (x, y) along the surface in which the projectiles move.
+
+        In a normal impact it is that of the azimuth.
+        """
         x, y = _unit(self.azimuth)
         return (-x + 0.0, -y + 0.0) if self.angle < 0 else (x, y)
 
 
 def _unit(azimuth: float) -> tuple[float, float]:
-    """Return the cosine and sine of an angle; those of a multiple of 90 degrees are exactly 0, 1 or -1."""
+    """Return the cosine and the sine of an angle. Those of a multiple of 90 degrees are exactly 0, 1 or -1."""
     quarters = round(azimuth / (math.pi / 2))
     rest = azimuth - quarters * (math.pi / 2)
     c, s = (1.0, 0.0) if abs(rest) < 1e-12 else (math.cos(rest), math.sin(rest))

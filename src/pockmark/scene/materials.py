@@ -10,36 +10,23 @@ from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Field,
-    ValidationInfo,
-    create_model,
-    field_validator,
-)
+from pydantic import Field, ValidationInfo, create_model, field_validator
 from scipy.optimize import brentq
 
 from .. import _core
 from ..base.errors import PockmarkError, found
 from ..base.units import quantity
-
-
-class Model(BaseModel):
-    """A strict, immutable table: unknown keys are errors."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
+from .model import Model
 
 # Every constant has a range: wide enough for aerogel, gels, foams, ice and osmium, and far too narrow for a slip of the
 # exponent or a forgotten unit. Those of the laws are declared in their own files, core/eos, core/strength and core/failure.
 Temperature = Annotated[float, quantity("K", 1.0, 1e5)]
 ViscosityFactor = Annotated[float, quantity("", 0.0, 20.0)]
-LAWS: dict[str, list[dict[str, Any]]] = _core.laws()  # by kind: what each law declares
+LAWS: dict[str, list[dict[str, Any]]] = _core.laws()  # what each law declares, by kind
 
 
 class Law(Model):
-    """A law of a material: its `model`, and the constants that the core's law of that name declares."""
+    """A law of a material: its `model`, and the constants that the core declares for it."""
 
     model: str
 
@@ -64,7 +51,7 @@ def _table_of(law: Mapping[str, Any]) -> type[Law]:
 
 
 def _above(name: str, other: str) -> Any:
-    """Return the check that a constant exceeds another."""
+    """Return the check that a constant exceeds another one."""
 
     def check(value: float, known: ValidationInfo) -> float:
         if value <= known.data.get(other, -math.inf):
@@ -88,7 +75,7 @@ else:
 
 
 class Thermal(Model):
-    """Heat from plastic work, and melting."""
+    """The heat from plastic work, and melting."""
 
     specific_heat: Annotated[float, quantity("J/(kg*K)", 1.0, 1e5)]
     room_temperature: Temperature = 293.0
@@ -104,14 +91,14 @@ class Thermal(Model):
 
 
 class Viscosity(Model):
-    """Bulk viscosity q = rho l (quadratic l D^2 + linear c |D|) in compression."""
+    """The bulk viscosity in compression: q = rho l (quadratic l D^2 + linear c |D|)."""
 
     quadratic: ViscosityFactor = 1.5
     linear: ViscosityFactor = 0.06
 
 
 class Material(Model):
-    """One material, SI inside."""
+    """A material, SI inside."""
 
     source: str
     density: Annotated[float, quantity("kg/m^3", 1.0, 3e4)]
@@ -120,13 +107,16 @@ class Material(Model):
     failure: Failure
     thermal: Thermal
     viscosity: Viscosity = Viscosity()
-    # Speed of impact on itself up to which its laws are meant: the material behind the shock then moves at half of it.
+    # Up to this speed of impact on itself its laws are meant. The material behind the shock moves at half of it.
     max_speed: Annotated[float, quantity("m/s", 1.0, 1e6)] | None = None
 
     @field_validator("failure", mode="before")
     @classmethod
     def _is_a_model(cls, failure: Any) -> Any:
-        """Return the table of a scene from before failure had a model, as such: Johnson and Cook's, or none where it was inactive."""
+        """Return the failure table with its model, which scenes of before it had one lack.
+
+        They meant Johnson and Cook's law, or with the treatment "inactive" none.
+        """
         if not isinstance(failure, Mapping) or failure.get("model", "johnson-cook") != "johnson-cook":
             return failure
         if failure.get("treatment") == "inactive":
@@ -136,7 +126,7 @@ class Material(Model):
     @field_validator("failure")
     @classmethod
     def _can_act(cls, failure: Law, known: ValidationInfo) -> Law:
-        """Check that a law that was asked for adds damage somewhere."""
+        """Return the failure law. Raises ValueError for one that adds no damage anywhere."""
         strength = known.data.get("strength")
         if failure.model == "none":
             return failure
@@ -164,34 +154,40 @@ class Material(Model):
 
     @property
     def bulk_modulus(self) -> float:
-        """Of the equation of state at rest, Pa."""
+        """Return the bulk modulus of the equation of state at rest, Pa."""
         return float(self.to_core().bulk_modulus)
 
     @property
     def shear_modulus(self) -> float:
-        """At rest, Pa."""
+        """Return the shear modulus at rest, Pa."""
         return float(self.to_core().shear_modulus)
 
     @property
     def yield_strength(self) -> float | None:
-        """The flow stress without plastic strain at rest, Pa; None of a material that does not yield."""
+        """Return the flow stress at rest, without plastic strain, Pa.
+
+        None if the material does not yield.
+        """
         at_rest = [[0.0, 0.0, self.thermal.room_temperature, 0.0, 1.0, 0.0]]
         stress = float(self.to_core().strength_at(np.array(at_rest))[0, 0])
         return stress if math.isfinite(stress) else None
 
     @property
     def dilatational_speed(self) -> float:
-        """Speed of P waves, m/s."""
+        """Return the speed of P waves at rest, m/s."""
         return float(((self.bulk_modulus + 4.0 / 3.0 * self.shear_modulus) / self.density) ** 0.5)
 
     @property
     def failure_caution(self) -> str:
-        """What is to be known of the constants of its failure; empty where nothing is."""
+        """Return what has to be known of the constants of the failure law; empty if nothing has."""
         return str(_core.failure_caution(self.failure.model_dump()))
 
     def shock_pressure(self, up: float) -> float:
-        """Return the pressure behind a shock from rest that leaves the material at `up` (m/s): where the equation of state
-        meets mass, momentum and energy, rho0 up^2 (1 + 1/mu) at an energy of rho0 up^2/2."""
+        """Return the pressure, Pa, behind a shock from rest that leaves the material at a speed `up`, m/s.
+
+        There the equation of state meets the conservation of mass, momentum and energy: the pressure is rho0 up^2 (1
+        + 1/mu), the energy rho0 up^2/2.
+        """
         if up <= 0:
             return 0.0
         inertia, core = self.density * up * up, self.to_core()
@@ -206,7 +202,7 @@ class Material(Model):
 
 
 def _says(kind: str, law: Law, what: str) -> bool:
-    """Return what a law declares of itself."""
+    """Return whether a law declares something of itself to be true, such as "yields"."""
     return bool(next(declared[what] for declared in LAWS[kind] if declared["name"] == law.model))
 
 
@@ -217,7 +213,10 @@ def library() -> dict[str, dict[str, Any]]:
 
 
 def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `base` with `changes` put over it, table by table; a table that names another `model` replaces the old one."""
+    """Return `base` with `changes` put over it, table by table.
+
+    A table that names another `model` replaces the old one as a whole.
+    """
     if changes.get("model", base.get("model")) != base.get("model"):
         return dict(changes)
     out = dict(base)
@@ -228,10 +227,11 @@ def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]
 
 
 def complete(name: str, written: Any, user: str = "") -> Any:
-    """Return the full table of a material: the library's, or the one `based_on` names, under what the scene writes; what is written
-    and no table is returned as it is.
+    """Return the full table of a material.
 
-    `user` is the key that names the material. Raises PockmarkError on an unknown name.
+    What the scene writes is put over the library's material of this name, or over the one that `based_on` names. What
+    is written and is no table is returned as it is. `user` is the key that names the material. Raises PockmarkError
+    for an unknown name.
     """
     if written is not None and not isinstance(written, Mapping):
         return written
@@ -251,6 +251,6 @@ def complete(name: str, written: Any, user: str = "") -> Any:
 
 
 def _nearest(name: str) -> str:
-    """Return the names of the library that are most like one, and how many there are besides."""
+    """Return the names in the library that are most like one, and how many more there are."""
     near = difflib.get_close_matches(name[:100], library(), n=3, cutoff=0.0)
     return f"{', '.join(near)} and {len(library()) - len(near)} more"

@@ -5,17 +5,17 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from ..base.units import Number, Time, quantity
-from .materials import Model
+from .model import Model
 
 
 class Contact(Model):
-    """Contact of the projectile bodies with all others; without it what shares a node sticks together."""
+    """The contact of the projectiles with all other bodies. Without it, bodies that share a node stick together."""
 
     friction: Annotated[Number, Field(ge=0, le=10)]
 
 
 class Numerics(Model):
-    """The method. The defaults are the ones compared in studies/README.md."""
+    """The numerical method. studies/README.md compares its variants."""
 
     scheme: Literal["usf", "musl", "usl", "usavg"] = "usavg"
     shape_functions: Literal["trilinear", "quadratic"] = "trilinear"
@@ -27,9 +27,11 @@ class Numerics(Model):
 
 
 class Output(Model):
-    """How often a run writes: time between snapshots, hit exactly, and between rows of the history, written with the first step at or beyond.
+    """How often a run writes.
 
-    Between checkpoints lies wall time, so they change nothing that is computed; 0 for none at all.
+    Between snapshots and between rows of the history lies simulated time, s. A snapshot's time is hit exactly; a row
+    is written with the first step at or beyond its time. Between checkpoints lies wall time, s, so they change
+    nothing that is computed; 0 means no checkpoint at all.
     """
 
     snapshots: Annotated[Time, Field(gt=0)] = 1e-7

@@ -1,4 +1,7 @@
-"""Changes of a scene's table in a text: "impact.speed='4 km/s'", "body.projectile.radius='5 um'", "body.'a.b'.radius=5e-6"."""
+"""Changes of a scene's table, given as texts.
+
+Such are "impact.speed='4 km/s'", "body.projectile.radius='5 um'", "body.'a.b'.radius=5e-6".
+"""
 
 import re
 import tomllib
@@ -9,13 +12,16 @@ from ..base.errors import PockmarkError
 from ..base.toml import written_key
 from .materials import merge
 
-MAX_DEPTH = 20  # keys in a row; a scene has 5
+MAX_DEPTH = 20  # keys joined by dots; a scene has 5 at most
 # A key and what ends it: quoted as in TOML, or as it is, blanks within included.
 _KEY = re.compile(r"""\s*+("(?:[^"\\]|\\.)*"|'[^']*'|[^.="'][^.=]*+)\s*([.=])""")
 
 
 def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
-    """Return the table with the change of the text; a body is named by its name or counted from 0. Raises PockmarkError."""
+    """Return the table with the change of the text. Raises PockmarkError.
+
+    A body is named by its name, or by its place counted from 0.
+    """
     change = _parse(text)
     bodies, changes = table.get("body"), change.get("body")
     if isinstance(bodies, list) and isinstance(changes, Mapping):
@@ -24,7 +30,7 @@ def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
 
 
 def _parse(text: str) -> dict[str, Any]:
-    """Return "a.b=value" as nested tables; the value is TOML, or else a plain text."""
+    """Return "a.b=value" as nested tables. The value is TOML, or else a plain text."""
     keys: list[str] = []
     end, at = ".", 0
     while end == "." and (match := _KEY.match(text, at)) and len(keys) < MAX_DEPTH:
@@ -39,7 +45,7 @@ def _parse(text: str) -> dict[str, Any]:
 
 
 def _unquoted(key: str, text: str) -> str:
-    """Return a key as it is meant: what is quoted may have dots, and escapes within double quotes."""
+    """Return a key as it is meant. What is quoted may have dots, and escapes within double quotes."""
     if key[0] not in "\"'":
         return key.strip()
     try:
@@ -49,11 +55,12 @@ def _unquoted(key: str, text: str) -> str:
 
 
 def _is_no_change(text: str) -> PockmarkError:
+    """Return the error of a text that is no change."""
     return PockmarkError(f"--set {text}: expected key=value")
 
 
 def _value(text: str) -> Any:
-    """Return the value as TOML has it, or else the plain text, which may have lines of its own."""
+    """Return the value as TOML has it, or else the plain text, which may have several lines."""
     try:
         table = tomllib.loads(f"v = {text}")
     except (ValueError, RecursionError):
@@ -62,7 +69,7 @@ def _value(text: str) -> Any:
 
 
 def _changed(bodies: list[Any], changes: Mapping[str, Any]) -> list[Any]:
-    """Return the bodies with the changes of those that are named."""
+    """Return the bodies with the changes of those that are named. Raises PockmarkError."""
     out = list(bodies)
     names = [body.get("name") if isinstance(body, Mapping) else None for body in bodies]
     for key, value in changes.items():

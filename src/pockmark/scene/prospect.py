@@ -1,4 +1,4 @@
-"""The impact that a scene asks for, and the crater that Liu et al. 2015, Eq. 22, expects of it."""
+"""The impact that a scene asks for, and the crater that Liu et al. 2015, Eq. 22, predicts."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -14,7 +14,10 @@ from .scene import Scene
 
 
 class Ball(NamedTuple):
-    """A ball that makes a crater: diameter (m), density (kg/m^3), and whether it is one, or stands for a body of its volume."""
+    """A ball that makes a crater: diameter (m) and density (kg/m^3).
+
+    `is_real` is false if it stands for a body of another shape with its volume.
+    """
 
     diameter: float
     density: float
@@ -22,7 +25,7 @@ class Ball(NamedTuple):
 
 
 def impact_rows(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Give names and values of what hits, and how hard; nothing where nothing does."""
+    """Give the names and values of what hits, and how hard; nothing without a projectile."""
     if not (each := _balls(scene)):
         return
     impact, largest = scene.impact, max(each, key=lambda ball: ball.diameter)
@@ -53,7 +56,10 @@ def projectile_mass(scene: Scene) -> float:
 
 
 def fit_warnings(scene: Scene) -> list[str]:
-    """Say whether the crater that Eq. 22 predicts fits into the targets and the grid, and where it can predict none."""
+    """Say whether the crater that Eq. 22 predicts is too large for a target or for the grid.
+
+    Say also where Eq. 22 can predict none.
+    """
     out, ball = [], _largest(scene)
     for i in scene.targets:
         body = scene.body[i]
@@ -79,7 +85,7 @@ def fit_warnings(scene: Scene) -> list[str]:
 
 
 def settling_warnings(scene: Scene) -> list[str]:
-    """Say whether the run ends before the crater has settled, or before anything has arrived."""
+    """Say whether the run ends before the crater has settled, or before all projectiles have arrived."""
     end, ball = f"end_time: {scene.end_time * 1e9:.4g} ns", _largest(scene)
     if (settled := settled_at(scene)) is not None and ball and scene.end_time < settled:
         return [f"{end}; the crater is settled after about {settled * 1e9:.3g} ns{_stands_for(ball)}"]
@@ -90,7 +96,7 @@ def settling_warnings(scene: Scene) -> list[str]:
 
 
 def settled_at(scene: Scene) -> float | None:
-    """Return when the deepest crater that Eq. 22 predicts has settled, s; None where it predicts none."""
+    """Return when the deepest crater that Eq. 22 predicts will have settled, s; None if it predicts none."""
     found = []
     for i in scene.targets:
         material = scene.materials[scene.body[i].material]
@@ -100,21 +106,27 @@ def settled_at(scene: Scene) -> float | None:
 
 
 def predicted_depth(scene: Scene, target: Material) -> float | None:
-    """Return the depth of the crater of the largest ball of the scene in a target, m, by Liu et al. 2015, Eq. 22, with the normal part of
-    the speed; a body of another shape counts as the ball of its volume. None without a projectile, a speed or a yield strength."""
+    """Return the depth of the deepest crater in a target, m, by Liu et al. 2015, Eq. 22.
+
+    The speed in it is the normal part. A body that is no ball counts as the ball of its volume. None without a
+    projectile, a speed or a yield strength.
+    """
     ball = _largest(scene)
     strength = target.yield_strength
     return _depth(scene, ball, strength) if ball and strength else None
 
 
 def settling_time(depth: float, target: Material) -> float:
-    """Return the time (s) that a crater of this depth (m) takes to settle: depth sqrt(rho/Y), as the target's strength stops it."""
+    """Return the time (s) in which a crater of a depth (m) settles: depth sqrt(rho/Y).
+
+    It is the target's strength that stops it. docs/metrology.md has what the rule was compared with.
+    """
     assert target.yield_strength
     return depth * math.sqrt(target.density / target.yield_strength)
 
 
 def arrivals(scene: Scene) -> list[float]:
-    """Return when each projectile meets z = 0 with its lower side, s; nothing where none moves."""
+    """Return when the lower side of each projectile meets z = 0, s; an empty list if none moves."""
     if not scene.impact.speed:
         return []
     heights = [scene.body[i].box[0][2] for i in scene.projectiles]
@@ -133,23 +145,28 @@ def _balls(scene: Scene) -> list[Ball]:
 
 
 def _largest(scene: Scene) -> Ball | None:
-    """Return the ball that makes the deepest crater, by Eq. 22 in any target; None where nothing moves."""
+    """Return the ball that makes the deepest crater by Eq. 22, in any target; None if nothing moves."""
     if not scene.impact.speed:
         return None
     return max(_balls(scene), key=lambda ball: ball.diameter * math.cbrt(ball.density), default=None)
 
 
 def _depth(scene: Scene, ball: Ball, strength: float) -> float:
+    """Return the depth, m, that Eq. 22 predicts of a ball in a target of a yield strength, Pa."""
     normal = scene.impact.speed * math.cos(scene.impact.angle)
     return ball.diameter * volume_energy(normal, projectile_density=ball.density, target_strength=strength)
 
 
 def _stands_for(ball: Ball) -> str:
+    """Return the words that say that a ball stands for a body of another shape; empty for a real ball."""
     return "" if ball.is_real else " (by a ball of the projectile's volume)"
 
 
 def _halving(body: Solid, scene: Scene) -> Sequence[Mirror]:
-    """Return the symmetry planes that a body ends at, or that cut it in its middle: its image is a part of it."""
+    """Return the symmetry planes at which a body ends, or that cut it in its middle.
+
+    Its image behind such a plane is a part of the whole body.
+    """
     tolerance = 1e-9 * scene.grid.cell
     return [
         mirror
@@ -160,7 +177,7 @@ def _halving(body: Solid, scene: Scene) -> Sequence[Mirror]:
 
 
 def _places(body: Solid, scene: Scene) -> Sequence[Sequence[float]]:
-    """Return where a body's balls are (x, y, ...; m), or its middle."""
+    """Return the places of a body's balls (x, y, ...; m), or its middle."""
     if body.places:
         return body.places
     middle = [*body.foot]
@@ -170,7 +187,10 @@ def _places(body: Solid, scene: Scene) -> Sequence[Sequence[float]]:
 
 
 def _too_wide(scene: Scene, depth: float) -> str:
-    """Say along which axis hemispherical craters of this depth (m) take more than half of the grid; empty if along none."""
+    """Say along which axis hemispherical craters of a depth (m) take more than half of the grid.
+
+    The text is empty if they do along none.
+    """
     places = [place for i in scene.projectiles for place in _places(scene.body[i], scene)]
     for axis, name in enumerate("xy"):
         low, high = min(p[axis] for p in places) - depth, max(p[axis] for p in places) + depth

@@ -1,4 +1,4 @@
-"""A validation's faults as one sentence: all of them at once, each by its key."""
+"""The faults of a validation as one sentence: all of them at once, each with its key."""
 
 import difflib
 from collections.abc import Iterator, Sequence
@@ -10,18 +10,21 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from ..base.errors import found, together
-from .materials import Model
+from .model import Model
 
 Location = tuple[int | str, ...]
 
 
 def sentence(error: ValidationError, model: type[BaseModel]) -> str:
-    """Return every fault of a validation of `model` as one sentence: key, what was found, what is allowed."""
+    """Return every fault of a validation of `model` in one sentence: key, what was found, what is allowed."""
     return together(faults(error.errors(), model))
 
 
 def faults(details: Sequence[ErrorDetails], model: type[BaseModel]) -> list[str]:
-    """Return a sentence for each fault of a validation of `model`. A key that is missing because it is misspelt is told once."""
+    """Return a sentence for each fault of a validation of `model`.
+
+    A key that is missing because it is misspelt is told once.
+    """
     unknown = {f["loc"]: _meant(f, model) for f in details if f["type"] == "extra_forbidden"}
     misspelt = {(*location[:-1], meant) for location, meant in unknown.items() if meant}
     told = [f for f in details if f["loc"] not in misspelt or f["type"] != "missing"]
@@ -30,6 +33,7 @@ def faults(details: Sequence[ErrorDetails], model: type[BaseModel]) -> list[str]
 
 
 def _sentence(fault: ErrorDetails, model: type[BaseModel], meant: str) -> str:
+    """Return the sentence of a fault; `meant` is the key that an unknown one is most like, or empty."""
     key, kind, message = _key(fault["loc"], model), fault["type"], fault["msg"].removeprefix("Value error, ")
     if kind == "extra_forbidden":
         return f"{key}: unknown key" + (f", did you mean '{meant}'?" if meant else "")
@@ -49,7 +53,7 @@ def _sentence(fault: ErrorDetails, model: type[BaseModel], meant: str) -> str:
 
 
 def _which_kind(key: str, fault: ErrorDetails, model: type[BaseModel]) -> str:
-    """Say that a table does not say which of its kinds it is."""
+    """Return the sentence of a table that does not say which of its kinds it is."""
     *_, last = _walk(fault["loc"], model)
     selector, kinds = _kinds(last)
     what = "is missing" if selector not in fault["input"] else found(fault["input"][selector])
@@ -57,18 +61,21 @@ def _which_kind(key: str, fault: ErrorDetails, model: type[BaseModel]) -> str:
 
 
 def _key(location: Location, model: type[BaseModel]) -> str:
-    """Return ("body", 0, "block", "radius") as "body[0].radius"."""
+    """Return a location as a user writes it: ("body", 0, "block", "radius") as "body[0].radius"."""
     out = ""
     for part, annotation in zip(location, _walk(location, model), strict=False):
         if isinstance(part, int):
             out += f"[{part}]"
-        elif part not in _kinds(annotation)[1]:  # what the table was taken for is no key
+        elif part not in _kinds(annotation)[1]:  # the kind that pydantic took the table for is no key
             out += f".{part}" if out else part
     return out
 
 
 def _walk(location: Location, model: type[BaseModel]) -> Iterator[Any]:
-    """Return what is expected at each part of a location, `model` first, what the whole location names last."""
+    """Give what is expected at each part of a location.
+
+    `model` comes first; what the whole location names comes last.
+    """
     expected: Any = model
     for part in location:
         yield expected
@@ -77,12 +84,12 @@ def _walk(location: Location, model: type[BaseModel]) -> Iterator[Any]:
 
 
 def _next(expected: Any, part: int | str) -> Any:
-    """Return what is expected at a part of what is expected here; None where nothing is known."""
+    """Return what is expected at a part of what is expected here; None if that is not known."""
     if part in (kinds := _kinds(expected)[1]):
         return _members(expected)[kinds.index(str(part))]
     if isinstance(expected, type) and issubclass(expected, Model):
-        field = expected.model_fields.get(str(part))
-        return None if field is None else Annotated[field.annotation, field]
+        key = expected.model_fields.get(str(part))
+        return None if key is None else Annotated[key.annotation, key]
     if get_origin(expected) is Annotated:
         return _next(get_args(expected)[0], part)
     arguments = [a for a in get_args(expected) if a not in (type(None), ...)]
@@ -92,7 +99,10 @@ def _next(expected: Any, part: int | str) -> Any:
 
 
 def _kinds(expected: Any) -> tuple[str, list[str]]:
-    """Return the key that says which of its kinds a table is, and what it may be: ("shape", ["block", "sphere", ...])."""
+    """Return the key that says which of its kinds a table is, and the kinds.
+
+    Such are ("shape", ["block", "sphere", ...]). Without kinds they are empty.
+    """
     notes = get_args(expected)[1:] if get_origin(expected) is Annotated else ()
     for selector in (n.discriminator for n in notes if isinstance(n, FieldInfo)):
         if isinstance(selector, str):
@@ -102,12 +112,15 @@ def _kinds(expected: Any) -> tuple[str, list[str]]:
 
 
 def _members(expected: Any) -> tuple[Any, ...]:
-    """Return the tables that an annotated union has to choose from."""
+    """Return the tables from which an annotated union chooses."""
     return get_args(get_args(expected)[0])
 
 
 def _meant(fault: ErrorDetails, model: type[BaseModel]) -> str:
-    """Return the key that is most like an unknown one: of its own table, or else of any; "" if none is."""
+    """Return the key that is most like an unknown one; "" if none is.
+
+    Keys of its own table are tried first, then those of any table.
+    """
     unknown = str(fault["loc"][-1])
     *_, table, _ = _walk(fault["loc"], model)
     own = set(table.model_fields) if isinstance(table, type) and issubclass(table, Model) else set()

@@ -1,4 +1,4 @@
-"""What a careful analyst would ask about a scene before it runs."""
+"""The warnings of a scene: what a careful analyst would ask about it before it runs."""
 
 import math
 
@@ -13,14 +13,16 @@ from .materials import Material
 from .prospect import fit_warnings, settling_warnings
 from .scene import Scene
 
-MIN_CELLS_ACROSS = 4  # of the grid across the projectile's diameter
-FRAME_SPEED = (
-    5000.0  # m/s: below it a plane shock with trilinear functions depends on the frame (docs/theory.md)
-)
+MIN_CELLS_ACROSS = 4  # cells across the projectile's diameter
+# m/s: below it a plane shock with trilinear functions depends on the frame (docs/theory.md).
+FRAME_SPEED = 5000.0
 
 
 def cells_across(scene: Scene) -> float | None:
-    """Return the cells of the grid across the smallest projectile, with its mirror image; None without a projectile."""
+    """Return how many cells lie across the smallest projectile, its mirror image included.
+
+    None without a projectile.
+    """
     tolerance = 1e-9 * scene.grid.cell
     across = [scene.body[i].least_width(scene.mirrors, tolerance) for i in scene.projectiles]
     return min(across) / scene.grid.cell if across else None
@@ -33,7 +35,7 @@ def is_too_coarse(scene: Scene) -> bool:
 
 
 def warnings(scene: Scene) -> list[str]:
-    """Say what a careful analyst would ask about this scene."""
+    """Return all warnings of a scene, a sentence each."""
     out = lasting_warnings(scene) + _top_warning(scene) + _resolution_warning(scene) + fit_warnings(scene)
     for i, body in enumerate(scene.body):
         said = _pitch_warning(body)
@@ -48,7 +50,10 @@ def warnings(scene: Scene) -> list[str]:
 
 
 def lasting_warnings(scene: Scene) -> list[str]:
-    """Say what makes the result of this scene's run worth less, however the run goes: it stands in the result, too."""
+    """Return the warnings that make a run's result worth less, however the run goes.
+
+    They stand in the result, too.
+    """
     out = _motion_warnings(scene) + frame_warnings(scene) + _range_warnings(scene) + settling_warnings(scene)
     for i, body in enumerate(scene.body):
         out += [f"body[{i}] '{shown(body.name)}': {text}" for text in _lattice_warnings(body, scene)]
@@ -56,7 +61,7 @@ def lasting_warnings(scene: Scene) -> list[str]:
 
 
 def _motion_warnings(scene: Scene) -> list[str]:
-    """Say whether there is an impact at all."""
+    """Say that nothing moves, if that is so."""
     if not any(any(body.velocity or ()) for body in scene.body):
         if not scene.projectiles:
             return ["no body is marked projectile = true: nothing moves"]
@@ -66,7 +71,7 @@ def _motion_warnings(scene: Scene) -> list[str]:
 
 
 def _top_warning(scene: Scene) -> list[str]:
-    """Say whether there is something to measure a crater in."""
+    """Say that there is nothing in which to measure a crater, if that is so."""
     out = []
     tops = [scene.body[i].box[1][2] for i in scene.targets]
     if not any(abs(top) <= 0.01 * scene.grid.cell for top in tops):
@@ -76,6 +81,7 @@ def _top_warning(scene: Scene) -> list[str]:
 
 
 def _resolution_warning(scene: Scene) -> list[str]:
+    """Say that few cells lie across the projectile, if that is so."""
     across = cells_across(scene)
     if not has_few_cells(across):
         return []
@@ -87,7 +93,10 @@ def _resolution_warning(scene: Scene) -> list[str]:
 
 
 def frame_warnings(scene: Scene) -> list[str]:
-    """Return what the shape functions do to a plane shock in a moving frame; nothing where they do not."""
+    """Say what the shape functions do to a plane shock in a moving frame.
+
+    Nothing is said if they do nothing.
+    """
     if scene.numerics.shape_functions != "trilinear" or not 0 < scene.impact.speed < FRAME_SPEED:
         return []
     return [
@@ -116,7 +125,10 @@ def _range_warnings(scene: Scene) -> list[str]:
 
 
 def _particle_speed(target: Material, projectile: Material, speed: float) -> float:
-    """Return the particle speed of the target behind the shock, m/s, by impedance match: the pressures of both are equal."""
+    """Return the speed of the target's material behind the shock, m/s, by impedance match.
+
+    There the pressures of target and projectile are equal.
+    """
 
     def excess(up: float) -> float:
         return target.shock_pressure(up) - projectile.shock_pressure(speed - up)
@@ -125,7 +137,7 @@ def _particle_speed(target: Material, projectile: Material, speed: float) -> flo
 
 
 def _lattice_warnings(body: Solid, scene: Scene) -> list[str]:
-    """Say whether the points are enough for the body and the grid, and what its mass was rounded to."""
+    """Say whether the points are too few for the body or the grid, and what rounding did to the mass."""
     out = []
     if body.coarseness:
         out.append(body.coarseness)
@@ -139,7 +151,7 @@ def _lattice_warnings(body: Solid, scene: Scene) -> list[str]:
 
 
 def _pitch_warning(body: Solid) -> list[str]:
-    """Say whether points lie closer than asked."""
+    """Say that points lie closer than asked, if they do."""
     closest = min(fit.pitch for fit in body.fits)
     if closest >= 0.99 * body.spacing:
         return []
@@ -149,7 +161,10 @@ def _pitch_warning(body: Solid) -> list[str]:
 
 
 def _short_side_warnings(target: Solid, scene: Scene) -> list[str]:
-    """Name the sides that end less than a cell short of a face which is not free: there is a gap, and they are free."""
+    """Name the sides that end less than a cell short of a face that is not free.
+
+    Such a side is free, for there is a gap.
+    """
     out = []
     for i, (face, kind) in enumerate(zip(FACES, scene.boundary.faces, strict=True)):
         axis, above = i // 2, i % 2
@@ -162,7 +177,7 @@ def _short_side_warnings(target: Solid, scene: Scene) -> list[str]:
 
 
 def _face_warnings(projectile: Solid, scene: Scene) -> list[str]:
-    """Name the faces, the one under the target included, that lie closer than two diameters."""
+    """Name the faces closer than two diameters, the one under the target included."""
     lower, upper = projectile.box
     diameter = upper[2] - lower[2]
     faces, mirrored = ("x_lower", "x_upper", "y_lower", "y_upper"), [(m.axis, m.above) for m in scene.mirrors]
@@ -183,5 +198,6 @@ def _face_warnings(projectile: Solid, scene: Scene) -> list[str]:
 
 
 def _failure_warning(name: str, scene: Scene) -> list[str]:
+    """Say what has to be known of the failure law of a material, if anything has."""
     caution = scene.materials[name].failure_caution
     return [f"material '{name}': {caution}"] if caution else []

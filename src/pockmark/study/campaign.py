@@ -1,4 +1,4 @@
-"""A campaign: one scene with swept keys, in groups that figures and tables are drawn from."""
+"""A campaign: one scene with swept keys, in groups from which figures and tables are drawn."""
 
 import itertools
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError
 from ..base.errors import PockmarkError
 from ..base.files import as_path
 from ..base.toml import read_toml, to_toml
-from ..scene.materials import Model
+from ..scene.model import Model
 from ..scene.scene import Scene
 from ..scene.sentences import sentence
 
@@ -21,7 +21,7 @@ Sweep = Annotated[dict[str, Annotated[list[Any], Field(min_length=1)]], Field(de
 
 
 class Group(Model):
-    """Runs for some figures: every combination of the swept values."""
+    """Runs for some figures: one for every combination of the swept values."""
 
     name: str
     figures: Annotated[list[str], Field(default_factory=list)]
@@ -31,13 +31,16 @@ class Group(Model):
 
 
 class Campaign(Model):
-    """What `campaign.toml` says; `scene` is a path from the file's folder, and so is `report`: a Python script that draws
-    figures from the finished table, called as `report TABLE RUNS OUT`."""
+    """The tables of `campaign.toml`.
+
+    `scene` and `report` are paths from the file's folder. `report` is a Python script that draws figures from the
+    finished table; it is called as `report TABLE RUNS OUT`.
+    """
 
     title: str = ""
     scene: str
     report: str = ""
-    coarse: Annotated[bool, Field(strict=True)] = False  # run what has fewer than four cells across, too
+    coarse: Annotated[bool, Field(strict=True)] = False  # allows fewer than four cells across a projectile
     set: Changes
     quick: Changes
     group: Annotated[list[Group], Field(min_length=1)]
@@ -45,7 +48,7 @@ class Campaign(Model):
 
 @dataclass
 class Case:
-    """One run: its scene, what was swept to get it, and the groups that want it."""
+    """A run of a campaign: its scene, the swept values that made it, and the groups that want it."""
 
     scene: Scene
     swept: dict[str, Any]
@@ -53,7 +56,7 @@ class Case:
 
     @property
     def label(self) -> str:
-        """For the terminal: the first group that wants it, and what was swept."""
+        """Return the run's name for the terminal: the first group that wants it, and the swept values."""
         return ", ".join(
             [self.groups[0], *(f"{key.rpartition('.')[2]} {value}" for key, value in self.swept.items())]
         )
@@ -71,7 +74,10 @@ def load(folder: Path) -> Campaign:
 
 
 def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:
-    """Return the runs of a campaign, each once with all groups that want it; `only` names groups or figures to run."""
+    """Return the runs of a campaign, each once, with all groups that want it.
+
+    `only` names the groups or figures to run; an empty list means all. Raises PockmarkError for an unknown name.
+    """
     known = {name for g in campaign.group for name in (g.name, *g.figures)}
     if unknown := sorted(set(only) - known):
         raise PockmarkError(
@@ -95,5 +101,5 @@ def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> 
 
 
 def _texts(changes: Mapping[str, Any]) -> list[str]:
-    """Return the changes as --set takes them."""
+    """Return the changes as texts that --set takes."""
     return [f"{key}={to_toml({'v': value}).removeprefix('v = ').strip()}" for key, value in changes.items()]

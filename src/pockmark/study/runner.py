@@ -1,4 +1,7 @@
-"""Running a campaign: each run once, kept by the hash of its scene and the physics; what fails stops nothing."""
+"""Running a campaign.
+
+A run is made once, and kept by the hash of its scene and the physics. What fails stops nothing.
+"""
 
 import csv
 import itertools
@@ -33,7 +36,10 @@ from .workers import run_apart
 
 @dataclass
 class Outcome:
-    """A case that is done: its results, or why there are none; `kept`: it was there already."""
+    """A case that is done: its results, or why there are none.
+
+    `kept` is true if the run was there already.
+    """
 
     case: Case
     result: dict[str, Any] | None
@@ -42,12 +48,12 @@ class Outcome:
 
     @property
     def is_doubtful(self) -> bool:
-        """Whether its numbers are worth little, as its table says first."""
+        """Return whether the run's numbers are worth little, as its table says first."""
         return bool((self.result or {}).get("doubts"))
 
     @property
     def standing(self) -> str:
-        """Why there is no result, or what it is worth; empty for one without doubts and warnings."""
+        """Return why there is no result, or what it is worth; empty without doubts and warnings."""
         if self.result is None:
             return self.fault
         said = ["doubtful"] if self.is_doubtful else []
@@ -59,8 +65,11 @@ class Outcome:
 def run_study(
     cases: Sequence[Case], out: Path, *, jobs: int, console: Console, coarse: bool = False
 ) -> list[Outcome]:
-    """Run the cases that are not there yet, `jobs` at a time; those with fewer than four cells across a projectile only if `coarse`
-    allows it. Ctrl-C, SIGTERM and SIGHUP raise KeyboardInterrupt with what is done kept and no worker left."""
+    """Run the cases that are not there yet, `jobs` at a time, and return the outcomes of all.
+
+    A case with fewer than four cells across a projectile runs only if `coarse` allows it. Ctrl-C, SIGTERM and SIGHUP
+    raise KeyboardInterrupt; what is done is then kept, and no worker is left.
+    """
     there = [case for case in cases if is_done(place(out, case))]
     open_cases = [case for case in cases if case not in there]
     outcomes = [_measured(case, out, kept=True) for case in there]
@@ -84,7 +93,7 @@ def run_study(
 
 
 def _measured(case: Case, out: Path, *, kept: bool = False) -> Outcome:
-    """Measure a run; why that cannot be done is its fault."""
+    """Return the outcome of a run that is there. If it cannot be measured, the outcome says why."""
     try:
         return Outcome(case, measure_run(place(out, case)), kept=kept)
     except PockmarkError as error:
@@ -92,12 +101,12 @@ def _measured(case: Case, out: Path, *, kept: bool = False) -> Outcome:
 
 
 def place(out: Path, case: Case) -> Path:
-    """Return the run's folder."""
+    """Return the folder of a case's run."""
     return out / case.scene.hash
 
 
 def is_done(folder: Path) -> bool:
-    """Return whether a finished run of this version and this physics is there."""
+    """Return whether a folder holds a finished run of this version and this physics."""
     try:
         manifest = RunFolder.open(folder).manifest()
     except PockmarkError:
@@ -107,7 +116,7 @@ def is_done(folder: Path) -> bool:
 
 
 def summary(outcomes: Sequence[Outcome], title: str) -> Table:
-    """Return a row for each run, with its lengths in the unit that suits the largest of all."""
+    """Return a table with a row for each run. Its lengths are in the unit that suits the largest of all."""
     lengths = [_lengths(outcome) for outcome in outcomes]
     unit, size = unit_for(*itertools.chain(*lengths))
     table = Table("run", f"C_p ({unit})", f"D_c ({unit})", "E_i^r", "", title=literal(title, "table.title"))
@@ -121,9 +130,10 @@ def summary(outcomes: Sequence[Outcome], title: str) -> Table:
 
 
 def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: Sequence[Case] = ()) -> int:
-    """Write one row a run of those in `out`: swept keys, groups, every measure (SI), and what made it.
+    """Write a row for each run in `out`: swept keys, groups, every measure (SI), and what made the run.
 
-    Rows of the campaign's other runs stay if they are of this version and physics. Returns how many were older and went.
+    Rows of the campaign's other runs stay if they are of this version and physics. Returns how many rows were older
+    and are gone.
     """
     rows: list[Mapping[str, Any]] = [
         outcome.case.swept
@@ -150,6 +160,7 @@ def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: 
 
 
 def _rows_of_others(path: Path, others: Set[str]) -> list[dict[str, str]]:
+    """Return the rows of a results file whose scenes are among `others`. Raises PockmarkError."""
     if not path.exists():
         return []
     with told(path), path.open(newline="", encoding="utf-8") as file:
@@ -160,7 +171,7 @@ def _rows_of_others(path: Path, others: Set[str]) -> list[dict[str, str]]:
 
 
 def make_report(script: Path, table: Path, runs: Path) -> None:
-    """Run a campaign's own script, which draws beside the table. Raises PockmarkError if it fails."""
+    """Run a campaign's own script, which draws beside the table. Raises PockmarkError if the script fails."""
     done = subprocess.run(
         [sys.executable, str(script), str(table), str(runs), str(table.parent)], check=False
     )
@@ -169,7 +180,10 @@ def make_report(script: Path, table: Path, runs: Path) -> None:
 
 
 def _made_by(folder: Path) -> dict[str, str]:
-    """Return what made a run: it may be older than what measures it. Empty for one that never began."""
+    """Return version, physics and commit of what made a run; empty texts for a run that never began.
+
+    They may be older than what measures it.
+    """
     try:
         manifest = RunFolder(folder).manifest()
     except PockmarkError:
@@ -179,7 +193,10 @@ def _made_by(folder: Path) -> dict[str, str]:
 
 
 def _run(scene: dict[str, Any], folder: str, threads: int, coarse: bool) -> str:
-    """Run a scene in a process of its own, from its checkpoint where it was stopped; return why it failed, or an empty text."""
+    """Run a scene in a process of its own, from its checkpoint if it was stopped.
+
+    Returns why the run failed, or an empty text.
+    """
     loaded = Scene.from_dict(scene)
     try:
         if can_resume(folder, loaded):
@@ -194,6 +211,7 @@ def _run(scene: dict[str, Any], folder: str, threads: int, coarse: bool) -> str:
 
 
 def _progress(console: Console) -> Progress:
+    """Return the progress bar of a campaign."""
     return Progress(
         TextColumn("{task.description}", markup=False),
         BarColumn(),
@@ -204,7 +222,10 @@ def _progress(console: Console) -> Progress:
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Give ("crater.depth", 1.5e-5), ..., lists as JSON; tables within the table, such as a group's craters one by one, are left out."""
+    """Give the keys of nested tables, joined by dots, with their values: ("crater.depth", 1.5e-5), ...
+
+    Lists become JSON. Lists of tables, such as a group's craters one by one, are left out.
+    """
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}.")
@@ -215,7 +236,7 @@ def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any
 
 
 def line_of(outcome: Outcome) -> Text:
-    """Return what is printed of a run as it ends: its crater, and what it is worth."""
+    """Return the line that is printed as a run ends: its crater, and what it is worth."""
     said = [outcome.standing]
     if outcome.result is not None:
         depth, diameter = ("-" if length is None else in_metres(length) for length in _lengths(outcome))
@@ -225,13 +246,13 @@ def line_of(outcome: Outcome) -> Text:
 
 
 def _style(outcome: Outcome) -> str:
-    """Return the colour of a run's line: of one that failed or is doubtful, of one with warnings, of another."""
+    """Return the colour of a run's line: red for failed or doubtful, yellow with warnings, else none."""
     if outcome.fault or outcome.is_doubtful:
         return "bold red"
     return "yellow" if outcome.standing else ""
 
 
 def _lengths(outcome: Outcome) -> tuple[float | None, float | None]:
-    """Return the depth and the diameter of the crater, m; None where there is none."""
+    """Return the depth and the diameter of the crater, m; None for each that is not known."""
     crater = (outcome.result or {}).get("crater", {})
     return crater.get("depth"), crater.get("diameter")

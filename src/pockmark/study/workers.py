@@ -1,4 +1,7 @@
-"""Work in processes of its own, a few at a time: one that dies takes nothing with it, and none outlives who asked for it."""
+"""Work in processes of its own, a few at a time.
+
+A process that dies takes nothing with it. None outlives the process that asked for it.
+"""
 
 import os
 import signal
@@ -17,9 +20,9 @@ PATIENCE = 60.0  # s that a worker has to keep what there is before it is killed
 def run_apart(
     work: Callable[..., str], orders: Sequence[tuple[Any, ...]], jobs: int, stop_if_asked: Callable[[], None]
 ) -> Iterator[tuple[int, str]]:
-    """Give (n, work(*orders[n])) as they end, `jobs` at a time; for a process that died, why.
+    """Give (n, work(*orders[n])) as the orders are done, `jobs` at a time.
 
-    What `stop_if_asked` raises comes through when every worker has ended.
+    For a process that died the text says why. What `stop_if_asked` raises comes through when every worker has ended.
     """
     waiting = list(enumerate(orders))[::-1]
     running: dict[int, tuple[SpawnProcess, Connection]] = {}
@@ -38,6 +41,7 @@ def run_apart(
 
 def _start(work: Callable[..., str], order: tuple[Any, ...]) -> tuple[SpawnProcess, Connection]:
     # Not forked: a process with threads of OpenMP must not be.
+    """Start a process that works on an order. Return it, and where its answer comes out."""
     context = get_context("spawn")
     receiver, sender = context.Pipe(duplex=False)
     process = context.Process(target=_work, args=(sender, work, order))
@@ -52,13 +56,13 @@ def _start(work: Callable[..., str], order: tuple[Any, ...]) -> tuple[SpawnProce
 
 
 def _work(sender: Connection, work: Callable[..., str], order: tuple[Any, ...]) -> None:
-    """Work in the process of its own."""
+    """Do the work in its own process, and send the answer."""
     threading.Thread(target=_end_with_parent, daemon=True).start()
     sender.send(work(*order))
 
 
 def _end_with_parent() -> None:
-    """Wait for the end of the process that asked, however it comes, and end this one with it."""
+    """Wait for the process that asked to end, however that happens, and end this one with it."""
     parent = parent_process()
     if parent is not None:
         parent.join()
@@ -66,7 +70,7 @@ def _end_with_parent() -> None:
 
 
 def _answer(process: SpawnProcess, receiver: Connection) -> str:
-    """Return what a process that has ended has sent, or why it could not."""
+    """Return what a process that has ended has sent, or why it has sent nothing."""
     process.join()
     try:
         return str(receiver.recv()) if receiver.poll() else _fate(process.exitcode or 0)
@@ -77,7 +81,7 @@ def _answer(process: SpawnProcess, receiver: Connection) -> str:
 
 
 def _fate(code: int) -> str:
-    """Return why a process ended without an answer."""
+    """Return why a process ended without an answer, from its exit code."""
     if code >= 0:
         return f"its process failed with exit code {code}"
     name = signal.Signals(-code).name
@@ -85,7 +89,7 @@ def _fate(code: int) -> str:
 
 
 def _end(processes: Sequence[SpawnProcess]) -> None:
-    """Ask workers to stop, and kill those that do not."""
+    """Ask workers to stop, and kill those that do not stop in time."""
     for process in processes:
         process.terminate()
     deadline = time.monotonic() + PATIENCE

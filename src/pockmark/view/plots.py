@@ -1,4 +1,7 @@
-"""Pictures of a run: the slice through the crater (the panels of Liu et al. 2015, Figs. 5 and 8) and the history."""
+"""Pictures of a run: the slice through the crater, and the history.
+
+The slice has the panels of Liu et al. 2015, Figs. 5 and 8.
+"""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -18,9 +21,10 @@ from ..base.ledger import DRAWN, LEFT_ENERGIES
 from ..metrology.crater import Crater
 from ..metrology.stress import effective_stress
 
-Fields = Mapping[str, NDArray[Any]]
+Fields = Mapping[str, NDArray[Any]]  # of a snapshot
+History = Mapping[str, NDArray[np.float64]]  # columns
 Array = NDArray[np.floating]
-AIR = "#e8eef4"  # neither a target's colour nor the projectile's white
+AIR = "#e8eef4"  # differs from the targets' colours and from the projectile's white
 TARGETS = ("#999999", "#7a9cc6", "#c69c6d", "#8fb08c", "#a88bb5", "#c98686")
 STRESS = ScalarMappable(Normalize(0.0, 600.0), "viridis")
 PRESSURE = ScalarMappable(Normalize(-600.0, 600.0), "coolwarm")
@@ -29,7 +33,11 @@ HISTORY_COLUMNS = ("time", *DRAWN, *LEFT_ENERGIES, "error", "initial", "depth")
 
 @dataclass(frozen=True)
 class Cut:
-    """The points within one spacing of a plane across an axis, y or x: the other one as x, z, width (n,) um, stress and pressure (n,) MPa, body (n,)."""
+    """The points within one spacing of a plane across y or x, as a picture shows them.
+
+    `x` is the other of the two axes, um. All arrays are (n,): `width` of a point in um, `stress` and `pressure` in
+    MPa.
+    """
 
     x: Array
     z: Array
@@ -42,7 +50,7 @@ class Cut:
 
     @classmethod
     def of(cls, snapshot: Fields, setup: Setup) -> "Cut":
-        """Return the slice through the plane of the picture; of points that are somewhere."""
+        """Return the points near the plane of the picture, without those that have no place."""
         across = slice_axis(setup)
         near = np.abs(snapshot["position"][:, across] - slice_plane(setup)) < setup.spacing
         near &= np.isfinite(snapshot["position"]).all(axis=1) & (snapshot["volume"] > 0)
@@ -60,7 +68,7 @@ class Cut:
 
     @property
     def limits(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Limits of axes that show it."""
+        """Return the limits of axes that show the points, um."""
         return _limits(self.x, self.z, self.z[~self.is_projectile])
 
     def draw(self, axes: Axes, colour: NDArray[Any]) -> None:
@@ -80,7 +88,10 @@ def slice_figure(
     title: str,
     is_perforated: bool = False,
 ) -> Figure:
-    """Draw the points within one spacing of the plane of the picture: bodies, effective stress 0 to 600 MPa, pressure -600 to 600 MPa."""
+    """Draw the points within one spacing of the plane of the picture, in three panels.
+
+    They show the bodies, the effective stress from 0 to 600 MPa, and the pressure from -600 to 600 MPa.
+    """
     cut, across = Cut.of(snapshot, setup), slice_axis(setup)
     limits = cut.limits
     figure = Figure(figsize=_size(limits), layout="compressed")
@@ -95,7 +106,7 @@ def slice_figure(
     names = ("bodies (projectile white)", "effective stress (MPa)", "pressure (MPa)")
     for axes, name, scale in zip(panels, names, (STRESS, STRESS, PRESSURE), strict=True):
         axes.set(xlim=limits[0], ylim=limits[1], aspect="equal", ylabel="z (um)", title=name, facecolor=AIR)
-        # Every panel gets a bar, so that all are of one width; the first one's says nothing and is hidden.
+        # Every panel gets a bar, so that all are of one width. That of the first has no meaning and is hidden.
         figure.colorbar(scale, ax=axes).ax.set_visible(axes is not panels[0])
     panels[-1].set_xlabel(f"{'xy'[1 - across]} (um)")
     figure.draw_without_rendering()  # the markers' size depends on the panels'
@@ -112,7 +123,10 @@ def slice_figure(
 
 
 def process_figure(snapshots: Iterable[Fields], setup: Setup) -> Figure:
-    """Draw effective stress above, pressure below, a column a snapshot: the panels of Liu et al. 2015, Figs. 5 and 8."""
+    """Draw effective stress above and pressure below, a column for each snapshot.
+
+    These are the panels of Liu et al. 2015, Figs. 5 and 8.
+    """
     cuts, across = [Cut.of(snapshot, setup) for snapshot in snapshots], slice_axis(setup)
     limits = cuts[-1].limits
     wide, high = (end - start for start, end in limits)
@@ -137,13 +151,16 @@ def process_figure(snapshots: Iterable[Fields], setup: Setup) -> Figure:
 
 
 def slice_axis(setup: Setup) -> int:
-    """Return the axis across the picture's slice: y, or x where the projectiles move rather along y."""
+    """Return the axis across the picture's slice: y, or x if the projectiles move more along y than along x."""
     x, y = setup.heading
     return 1 if abs(x) >= abs(y) else 0
 
 
 def slice_plane(setup: Setup) -> float:
-    """Return where the picture's slice lies on that axis, m: at a symmetry plane, or else through the first projectile."""
+    """Return the coordinate of the picture's slice on that axis, m.
+
+    It is that of a symmetry plane, or else of the first projectile.
+    """
     axis = slice_axis(setup)
     for mirror in setup.mirrors:
         if mirror.axis == axis:
@@ -152,12 +169,15 @@ def slice_plane(setup: Setup) -> float:
 
 
 def _colour(setup: Setup, body: int) -> str:
-    """Return white for a projectile; the targets differ."""
+    """Return a body's colour: white for a projectile, one of TARGETS for a target."""
     return TARGETS[setup.targets.index(body) % len(TARGETS)] if body in setup.targets else "#ffffff"
 
 
 def _limits(x: Array, z: Array, z_target: Array) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the limits of the axes, um: the whole target, and above it no more air than a third of the width."""
+    """Return the limits of the axes, um.
+
+    They show the whole target, and above it no more air than a third of the width.
+    """
     if len(x) == 0:
         return (-1.0, 1.0), (-1.0, 1.0)
     left, right, low = float(x.min()), float(x.max()), float(z.min())
@@ -168,7 +188,7 @@ def _limits(x: Array, z: Array, z_target: Array) -> tuple[tuple[float, float], t
 
 
 def _size(limits: tuple[tuple[float, float], tuple[float, float]]) -> tuple[float, float]:
-    """Return the size of the figure, inches: as high as its panels need, so that nothing is left blank."""
+    """Return the width and height of the figure, inches, in which its panels leave no blank."""
     (left, right), (low, high) = limits
     shape = (high - low) / (right - left)
     wide = min(5.4, 4.0 / shape)
@@ -176,17 +196,20 @@ def _size(limits: tuple[tuple[float, float], tuple[float, float]]) -> tuple[floa
 
 
 def _marker_size(axes: Axes, width_um: Array) -> Array:
-    """Return the area in points^2 of square markers `width_um` wide in data units, so that points tile the plane.
+    """Return the areas, pt^2, of square markers `width_um` wide in data units, so that they tile the plane.
 
-    A quarter of a point more closes the hairlines that rounding to pixels leaves.
+    A quarter of a pt more closes the hairlines that rounding to pixels leaves.
     """
     origin, unit = axes.transData.transform([(0.0, 0.0), (1.0, 0.0)])
-    points_per_um = (unit[0] - origin[0]) * 72.0 / axes.figure.dpi
-    return np.asarray((width_um * points_per_um + 0.25) ** 2)
+    pt_per_um = (unit[0] - origin[0]) * 72.0 / axes.figure.dpi
+    return np.asarray((width_um * pt_per_um + 0.25) ** 2)
 
 
 def _mark_depth(axes: Axes, crater: Crater | None, across: int) -> None:
-    """Draw an arrow in the crater; its length above the panel, where it hides nothing."""
+    """Draw the depth as an arrow in the crater.
+
+    Its length is written above the panel, where it hides nothing.
+    """
     if crater is None:
         return
     x, depth = crater.bottom[1 - across] * 1e6, crater.depth * 1e6
@@ -196,6 +219,7 @@ def _mark_depth(axes: Axes, crater: Crater | None, across: int) -> None:
 
 
 def _name_targets(axes: Axes, setup: Setup) -> None:
+    """Draw a legend with the names of the targets."""
     squares = [axes.scatter([], [], color=_colour(setup, body), marker="s") for body in setup.targets]
     legend = axes.legend(squares, ["target"] * len(squares), loc="upper left", fontsize="small", ncols=2)
     # The names come last, for matplotlib leaves out labels that begin with "_".
@@ -203,10 +227,10 @@ def _name_targets(axes: Axes, setup: Setup) -> None:
         text.set(text=shown(setup.names[body], 40), parse_math=False)
 
 
-def history_figure(history: Fields) -> Figure:
+def history_figure(history: History) -> Figure:
     """Draw energies, ledger error and crater depth against time."""
     time, initial = history["time"] * 1e9, history["initial"]
-    # Without an initial energy there are no shares of it.
+    # Without an initial energy no share of it can be drawn.
     shares = bool(initial.all())
     scale = initial if shares else 1.0
     figure = Figure(figsize=(8, 9), layout="constrained")

@@ -29,7 +29,7 @@ def report(result: Results) -> Table:
 
 
 def standing(status: str, time: float, snapshot_time: float, torn_rows: int) -> str:
-    """Return how a run that has not ended stands (times in s), an empty text for one that has."""
+    """Return how a run that has not ended stands (times in s); an empty text for one that has ended."""
     if status not in ("running", "killed"):
         return ""
     torn = "; a torn last row of its history is left out" if torn_rows else ""
@@ -37,11 +37,12 @@ def standing(status: str, time: float, snapshot_time: float, torn_rows: int) -> 
 
 
 def _shown(value: float | None, pattern: str, *, unit: float = 1.0) -> str:
-    """Return a number in multiples of `unit`, "-" where there is none."""
+    """Return a number in multiples of `unit`; "-" for None."""
     return "-" if value is None else pattern.format(value / unit)
 
 
 def _crater(result: Results) -> Iterator[tuple[str, str]]:
+    """Give the rows of the crater or of the hole."""
     crater, run = result["crater"], result["run"]
     stands = standing(run["status"], run["time"], crater["time"], run["torn_rows"]) or run["status"]
     yield "run", stands + _shown(run["end_time"], " (to end at {:.4g} ns)", unit=1e-9)
@@ -83,11 +84,13 @@ def _crater(result: Results) -> Iterator[tuple[str, str]]:
 
 
 def _resolution(result: Results) -> Iterator[tuple[str, str]]:
+    """Give the rows that say how far the measures can be trusted."""
     yield "+-", "of the measure on these points alone; the error of the cells' size is not in it"
     yield "resolution", _shown(result["run"]["cells_across_projectile"], "{:.3g} cells across the projectile")
 
 
 def _group(result: Results) -> Iterator[tuple[str, str]]:
+    """Give the rows of a group of craters; none without a group."""
     if not (group := result.get("group")):
         return
     yield (
@@ -109,6 +112,7 @@ def _group(result: Results) -> Iterator[tuple[str, str]]:
 
 
 def _ejecta(result: Results) -> Iterator[tuple[str, str]]:
+    """Give the rows of the ejecta."""
     ejecta = result["ejecta"]
     masses = (_shown(ejecta[key], "{:.3g}", unit=1e-12) for key in ("mass", "left_mass"))
     yield "ejecta in the grid, left", ", ".join(masses) + " ng"
@@ -116,6 +120,7 @@ def _ejecta(result: Results) -> Iterator[tuple[str, str]]:
 
 
 def _energy(result: Results) -> Iterator[tuple[str, str]]:
+    """Give the rows of the energies."""
     energy = result["energy"]
 
     def share(*keys: str) -> str:
@@ -134,6 +139,7 @@ def _energy(result: Results) -> Iterator[tuple[str, str]]:
 
 
 def _run(result: Results) -> Iterator[tuple[str, str]]:
+    """Give the rows of the run itself."""
     run = result["run"]
     yield "failure treatment", str(run["failure_treatment"])
     yield "scheme", f"{run['scheme']}, {run['shape_functions']}"
@@ -143,6 +149,7 @@ def _run(result: Results) -> Iterator[tuple[str, str]]:
 
 
 def _counted(result: Results) -> Iterator[tuple[str, str]]:
+    """Give a row for each counter that is not zero."""
     counted = {name: count for name, count in result["counters"].items() if count}
     if not counted:
         yield "counted", "nothing"

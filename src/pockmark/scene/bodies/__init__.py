@@ -1,4 +1,7 @@
-"""Bodies of a scene: the closed list of shapes. What a shape must give is in shape.py; each has a file."""
+"""The bodies of a scene, and the closed list of their shapes.
+
+Each shape has a file. shape.py says what a shape must give.
+"""
 
 from typing import Annotated
 

@@ -1,4 +1,4 @@
-"""A brick of material."""
+"""A block: a brick of material."""
 
 import math
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ class Block(Solid):
 
     @property
     def fits(self) -> tuple[Fit, Fit, Fit]:
-        """How points fill it along x, y and z."""
+        """Return how points fill the block along x, y and z."""
         x, y, z = (
             Fit.of(u - w, self.spacing, self.rounded) for w, u in zip(self.lower, self.upper, strict=True)
         )
@@ -33,59 +33,61 @@ class Block(Solid):
 
     @property
     def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners of what its points fill, m; rounding moves the sides away from the lower corner and from
-        the top."""
+        """Return the lower and the upper corner of what its points fill, m.
+
+        Rounding moves the lower side along z, and the upper sides along x and y.
+        """
         x, y, z = (fit.length - (u - w) for fit, w, u in zip(self.fits, self.lower, self.upper, strict=True))
         (x0, y0, z0), (x1, y1, z1) = self.lower, self.upper
         return (x0, y0, z0 - z), (x1 + x, y1 + y, z1)
 
     @property
     def points_about(self) -> float:
-        """The product of the points along its sides."""
+        """Return the product of the points along its sides."""
         return math.prod(fit.number for fit in self.fits)
 
     @property
     def point_volume(self) -> float:
-        """The brick of the pitches, m^3."""
+        """Return the volume of a point, m^3: the brick of the pitches."""
         return self.spacing**3 * math.prod(fit.pitch / self.spacing for fit in self.fits)
 
     @property
     def written_volume(self) -> float:
-        """Volume between the corners as they are written, m^3."""
+        """Return the volume between the corners that are written, m^3."""
         return math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))
 
     @property
     def foot(self) -> tuple[float, float]:
-        """x and y of its middle, m."""
+        """Return x and y of its middle, m."""
         return (self.lower[0] + self.upper[0]) / 2, (self.lower[1] + self.upper[1]) / 2
 
     @property
     def diameter(self) -> float:
-        """Its height, m."""
+        """Return its height, m."""
         return self.fits[2].length
 
     @property
     def flat_top(self) -> float:
-        """Height of its top, m."""
+        """Return the height of its top, m."""
         return self.upper[2]
 
     def lattice(self, box: Box = EVERYWHERE) -> Array:
-        """Return the positions (n, 3) of its points, m, that lie in the box, its upper faces left out."""
+        """Return the positions (n, 3), m, of its points in the box, whose upper faces do not belong to it."""
         axes = [
             axis[(axis >= low) & (axis < high)] for axis, low, high in zip(self._axes(), *box, strict=True)
         ]
         return np.asarray(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3))
 
     def count(self, box: Box = EVERYWHERE) -> int:
-        """Return how many points it has; it lies in the box whole."""
+        """Return how many points it has. The whole of it lies in the box."""
         return math.prod(int(fit.number) for fit in self.fits)
 
     def nearest(self, places: Array) -> Array:
-        """Return for each place (n, 3) the nearest one in its box."""
+        """Return for each place (n, 3), m, the nearest place in its box."""
         return np.clip(places, *self.box)
 
     def least_width(self, mirrors: Sequence[Mirror], tolerance: float) -> float:
-        """Return its least side, m; a side that ends at a symmetry plane counts twice."""
+        """Return its shortest side, m. A side that ends at a symmetry plane counts twice."""
         sides = [fit.length for fit in self.fits]
         for mirror in mirrors:
             if abs(self.box[mirror.above][mirror.axis] - mirror.at) <= tolerance:
@@ -93,6 +95,10 @@ class Block(Solid):
         return min(sides)
 
     def _axes(self) -> list[Array]:
-        """Return the centres lower + (i + 1/2) h of the pitches h; along z upper - (k + 1/2) h, so that the surface is where it is asked."""
+        """Return the coordinates of its points along x, y and z, m.
+
+        They are lower + (i + 1/2) h with the pitches h; along z they are upper - (k + 1/2) h, so that the surface is
+        where it is asked.
+        """
         x, y, z = ((np.arange(fit.number) + 0.5) * fit.pitch for fit in self.fits)
         return [self.lower[0] + x, self.lower[1] + y, self.upper[2] - z[::-1]]

@@ -1,4 +1,4 @@
-"""A rod, disc or tube of material."""
+"""A cylinder: a rod, disc or tube of material."""
 
 import math
 from collections.abc import Sequence
@@ -12,15 +12,15 @@ from ...base.units import Length
 from .lattice import half_integers
 from .shape import EVERYWHERE, NOISE, Array, Box, Fit, Solid, Vector
 
-STARTS = 5, 24, 9  # places across the wall, around and along, that an overlap is looked for from
+STARTS = 5, 24, 9  # places across the wall, around and along it, from which an overlap is looked for
 
 
 class Cylinder(Solid):
-    """A cylinder of material along an axis, hollow with an `inner_radius`, about the `center` of three coordinates, or of x and
-    y with a `gap` between it and z = 0.
+    """A cylinder of material along an axis, hollow with an `inner_radius`.
 
-    A whole number of points lies along its radius and along half of its length, so that any symmetry plane through its
-    middle halves it. Its points share its volume, as a ball's do.
+    `center` has three coordinates, or x and y with a `gap` between the cylinder and z = 0. A whole number of points
+    lies along its radius and along half of its length, so that any symmetry plane through its middle halves it. Its
+    points share its volume, as a ball's do.
     """
 
     shape: Literal["cylinder"]
@@ -46,13 +46,13 @@ class Cylinder(Solid):
 
     @property
     def fits(self) -> tuple[Fit, Fit]:
-        """How points fill its radius and half of its length."""
+        """Return how points fill its radius and half of its length."""
         half = Fit.of(self.length / 2, self.spacing, self.rounded)
         return Fit.of(self.radius, self.spacing, self.rounded), half
 
     @property
     def middle(self) -> Vector:
-        """Its centre, m."""
+        """Return its centre, m."""
         if self.gap is None:
             return self.center[0], self.center[1], self.center[2]
         radial, half = self.fits
@@ -60,7 +60,7 @@ class Cylinder(Solid):
 
     @property
     def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners of the bounding box of what its points fill, m."""
+        """Return the lower and the upper corner of a box around what its points fill, m."""
         radial, half = self.fits
         reach = [radial.length] * 3
         reach[self._along] = half.length
@@ -69,36 +69,42 @@ class Cylinder(Solid):
 
     @property
     def points_about(self) -> float:
-        """Its volume over that of a cube of the pitch."""
+        """Return its volume over that of a cube of the pitch."""
         radial, half = self.fits
         n, m = radial.number, self._inner
         return 2 * math.pi * (n * n - m * m) * half.number
 
     @property
     def point_volume(self) -> float:
-        """Its points share its volume, m^3, but for `rounded` ones, which are cubes."""
+        """Return the volume of a point, m^3.
+
+        The points share the cylinder's volume. Those of a `rounded` one are cubes.
+        """
         if self.rounded:
             return self.spacing**3
         return self.written_volume / self.count()
 
     @property
     def written_volume(self) -> float:
-        """Volume of the size as it is written, m^3."""
+        """Return the volume of the size that is written, m^3."""
         return math.pi * (self.radius**2 - self.inner_radius**2) * self.length
 
     @property
     def foot(self) -> tuple[float, float]:
-        """x and y (m) of the vertical line through its middle."""
+        """Return x and y (m) of the vertical line through its middle."""
         return self.middle[0], self.middle[1]
 
     @property
     def diameter(self) -> float:
-        """Across its axis, m."""
+        """Return its diameter across its axis, m."""
         return 2 * self.fits[0].length
 
     @property
     def coarseness(self) -> str:
-        """What is wrong with fewer than 4 points across it, or 2 through the wall of a tube."""
+        """Return what is wrong with fewer than 4 points across it, or 2 through the wall of a tube.
+
+        The text is empty if there are more.
+        """
         number = self.fits[0].number
         if number < 2:
             return "fewer than 4 points across the cylinder"
@@ -106,7 +112,7 @@ class Cylinder(Solid):
 
     @property
     def starts(self) -> Array:
-        """Places in its wall (n, 3), m: between its inner and outer faces, around and along it."""
+        """Return places in its wall (n, 3), m: from the inner to the outer face, around and along it."""
         radial, half = self.fits
         across, around, along = STARTS
         radius = np.linspace(self._inner * radial.pitch, radial.length, across)
@@ -118,7 +124,7 @@ class Cylinder(Solid):
         return self._placed(r * np.cos(a), r * np.sin(a), w)
 
     def lattice(self, box: Box = EVERYWHERE) -> Array:
-        """Return the positions (n, 3) of its points, m, that lie in the box, its upper faces left out."""
+        """Return the positions (n, 3), m, of its points in the box, whose upper faces do not belong to it."""
         (radial, half), (i, j, k) = self.fits, self._half_integers(box)
         u, v = (x.ravel() for x in np.meshgrid(i, j, indexing="ij"))
         kept = self._is_in_ring(u, v)
@@ -134,7 +140,7 @@ class Cylinder(Solid):
         return len(k) * int((np.searchsorted(squares, outer) - np.searchsorted(squares, inner)).sum())
 
     def nearest(self, places: Array) -> Array:
-        """Return for each place (n, 3) the nearest one in it; a place on the axis of a tube goes to one side."""
+        """Return for each place (n, 3), m, the nearest place in it. On the axis of a tube one side is taken."""
         (radial, half), w = self.fits, self._along
         u, v = self._across
         local = places - np.array(self.middle)
@@ -168,21 +174,23 @@ class Cylinder(Solid):
 
     @property
     def _along(self) -> int:
+        """Return the number of the axis along it."""
         return "xyz".index(self.axis)
 
     @property
     def _across(self) -> tuple[int, int]:
+        """Return the numbers of the two axes across it."""
         return (self._along + 1) % 3, (self._along + 2) % 3
 
     @property
     def _inner(self) -> float:
-        """The inner radius in pitches, a whole number if it is rounded."""
+        """Return the inner radius in pitches, a whole number if the cylinder is `rounded`."""
         if self.rounded:
             return Fit.of(self.inner_radius, self.spacing, True).number
         return self.inner_radius / self.fits[0].pitch
 
     def _half_integers(self, box: Box) -> tuple[Array, Array, Array]:
-        """Return the half-integers of the points across it, twice, and along it that lie in the box."""
+        """Return the half-integers, across it (two arrays) and along it, of the points that lie in the box."""
         radial, half = self.fits
         u, v, w = (
             half_integers(self.middle[a], fit, box[0][a], box[1][a])
@@ -195,7 +203,7 @@ class Cylinder(Solid):
         return np.asarray((j**2 < self.fits[0].number ** 2 - i**2) & (j**2 >= self._inner**2 - i**2))
 
     def _placed(self, u: Array, v: Array, w: Array) -> Array:
-        """Return places (n, 3), m, from what they are off its middle across it and along it."""
+        """Return places (n, 3), m, given their distances from its middle across it (u, v) and along it (w)."""
         out = np.empty((len(u), 3))
         for axis, off in zip((*self._across, self._along), (u, v, w), strict=True):
             out[:, axis] = self.middle[axis] + off

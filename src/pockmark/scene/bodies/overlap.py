@@ -1,29 +1,33 @@
-"""Whether two bodies overlap: any shapes, by what their points fill."""
+"""Overlaps of two bodies of any shape, by what their points fill."""
 
 import numpy as np
 
 from .shape import NOISE, Solid
 
-TURNS = 50  # from one body to the other and back, the most
+TURNS = 50  # the most ways from one body to the other and back
 
 
 def box_gap(a: Solid, b: Solid) -> float:
-    """Return the widest gap along an axis between the boxes of two bodies, m; below 0 where the boxes overlap."""
+    """Return the widest gap along an axis between the boxes of two bodies, m.
+
+    It is below 0 if the boxes overlap.
+    """
     (al, au), (bl, bu) = a.box, b.box
     return float(np.max(np.maximum(al, bl) - np.minimum(au, bu)))
 
 
 def overlap(a: Solid, b: Solid) -> bool:
-    """Return whether what the points of two bodies fill shares more than a surface."""
+    """Return whether the spaces that the points of two bodies fill share more than a surface."""
     if box_gap(a, b) >= -NOISE * max(a.spacing, b.spacing):
         return False
     return _reaches(a, b) or _reaches(b, a)
 
 
 def _reaches(a: Solid, b: Solid) -> bool:
-    """Return whether a place in both is found from the starts of the first: to the nearest place in the other, and back, and so on.
+    """Return whether a place in both bodies is found from the starts of the first one.
 
-    Between convex shapes that finds one wherever there is one; for a block and balls, or balls and balls, at the first turn.
+    The way goes to the nearest place in the other body, back, and so on. Between convex shapes that finds a place in
+    both wherever there is one. For a block and balls, or balls and balls, the first turn does.
     """
     here = a.starts
     for _ in range(TURNS):

@@ -1,4 +1,4 @@
-"""What every shape of a body must give: its keys, and how points fill it."""
+"""The contract of a body's shape: its keys, and how points fill it."""
 
 import math
 from abc import abstractmethod
@@ -11,17 +11,21 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from ...base.geometry import Mirror
 from ...base.units import Length, Velocity
-from ..materials import Model
+from ..model import Model
 
 Array = NDArray[np.floating]
 Vector = tuple[Length, Length, Length]
 Box = Sequence[Sequence[float]]  # lower and upper corner, m
-NOISE = 1e-9  # of a spacing: what floats leave of a whole number of spacings
+NOISE = 1e-9  # spacings: by so much rounding may be off a whole number of them
 EVERYWHERE: Box = ((-math.inf,) * 3, (math.inf,) * 3)
 
 
 class Fit(NamedTuple):
-    """How points fill a length: how many `pitch`es (m) it has, a whole number, or infinity where no whole number is."""
+    """A length that points fill.
+
+    It holds `number` pitches of `pitch` (m): a whole number, or infinity where floats have none. `length` (m) is what
+    is filled.
+    """
 
     number: float
     pitch: float
@@ -29,12 +33,13 @@ class Fit(NamedTuple):
 
     @classmethod
     def of(cls, length: float, spacing: float, rounded: bool) -> "Fit":
-        """Fill a length (m) with pitches of at most `spacing`, or with `rounded` of exactly `spacing`, halves rounded down.
+        """Fill a length (m) with pitches of at most `spacing` (m).
 
-        A length of less than a quarter of a spacing has none.
+        With `rounded` they are exactly `spacing`, and their number is rounded, halves down. A length of less than a
+        quarter of a spacing holds none.
         """
         ratio = length / spacing
-        # NumPy's ceil, because it knows infinity.
+        # NumPy's ceil, for Python's refuses infinity.
         number = float(np.ceil(ratio - (0.5 if rounded else 0.0) - NOISE)) if ratio >= 0.25 else 0.0
         if number == 0 or abs(number - ratio) <= NOISE or not math.isfinite(number):
             return cls(number, spacing, length)
@@ -44,8 +49,9 @@ class Fit(NamedTuple):
 class Solid(Model):
     """A body of any shape. A shape has a file beside this one, and a place in the closed list `Body`.
 
-    A body has the size and mass that are asked: a whole number of points lies along each of its lengths, `spacing` apart or
-    a little less. `rounded` bodies have exactly `spacing` and a size rounded to it, as the paper's authors did.
+    A body has the size and the mass that are asked. A whole number of points lies along each of its lengths,
+    `spacing` apart or a little less. A `rounded` body has exactly `spacing`, and a size rounded to it, as the paper's
+    bodies have.
     """
 
     name: str
@@ -53,7 +59,7 @@ class Solid(Model):
     spacing: Annotated[Length, Field(gt=0)]
     projectile: Annotated[bool, Field(strict=True)] = False
     rounded: Annotated[bool, Field(strict=True)] = False
-    velocity: tuple[Velocity, Velocity, Velocity] | None = None  # of its own, at the start
+    velocity: tuple[Velocity, Velocity, Velocity] | None = None  # its own at the start; None for a projectile
 
     @field_validator("velocity")
     @classmethod
@@ -67,41 +73,44 @@ class Solid(Model):
     @property
     @abstractmethod
     def box(self) -> tuple[Vector, Vector]:
-        """Lower and upper corners of the bounding box of what its points fill, m."""
+        """Return the lower and the upper corner of a box around what its points fill, m."""
 
     @property
     @abstractmethod
     def fits(self) -> tuple[Fit, ...]:
-        """How points fill each of its lengths."""
+        """Return how points fill each of its lengths."""
 
     @property
     @abstractmethod
     def points_about(self) -> float:
-        """About how many points it has, for the asking before they are counted: it may be infinite."""
+        """Return about how many points it has; it may be infinite.
+
+        It is asked before the points are counted.
+        """
 
     @property
     @abstractmethod
     def point_volume(self) -> float:
-        """Volume of each of its points, m^3."""
+        """Return the volume of each of its points, m^3."""
 
     @property
     @abstractmethod
     def written_volume(self) -> float:
-        """Volume of the size that is written, m^3."""
+        """Return the volume of the size that is written, m^3."""
 
     @property
     @abstractmethod
     def foot(self) -> tuple[float, float]:
-        """x and y (m) of the vertical line where it will hit first."""
+        """Return x and y (m) of the vertical line on which it will hit first."""
 
     @property
     @abstractmethod
     def diameter(self) -> float:
-        """The length that a crater's depth is compared with, as its points fill it, m."""
+        """Return the length with which a crater's depth is compared, as its points fill it, m."""
 
     @abstractmethod
     def lattice(self, box: Box = EVERYWHERE) -> Array:
-        """Return the positions (n, 3) of its points, m, that lie in the box, its upper faces left out."""
+        """Return the positions (n, 3), m, of its points in the box, whose upper faces do not belong to it."""
 
     @abstractmethod
     def count(self, box: Box = EVERYWHERE) -> int:
@@ -109,54 +118,72 @@ class Solid(Model):
 
     @abstractmethod
     def nearest(self, places: Array) -> Array:
-        """Return for each place (n, 3), m, the nearest one in what its points fill; a place that lies in it comes back as it is."""
+        """Return for each place (n, 3), m, the nearest place in what its points fill.
+
+        A place that lies in it comes back as it is.
+        """
 
     @abstractmethod
     def least_width(self, mirrors: Sequence[Mirror], tolerance: float) -> float:
-        """Return the least length across it, m, with its image where it ends at a symmetry plane, to a tolerance (m)."""
+        """Return the shortest length across it, m.
+
+        Where it ends at a symmetry plane, to a tolerance (m), its image is a part of it.
+        """
 
     # What a shape may give.
 
     @property
     def starts(self) -> Array:
-        """Places in it (n, 3), m, that an overlap with another body is looked for from; enough where they reach it by nearest()."""
+        """Return places in it (n, 3), m, from which an overlap with another body is looked for.
+
+        There must be enough of them for nearest() to lead to each overlap.
+        """
         return np.asarray(np.mean(self.box, axis=0, keepdims=True))
 
     @property
     def places(self) -> Sequence[Vector]:
-        """Centres of the balls that it is made of, m."""
+        """Return the centres, m, of the balls of which it is made; empty if it is made of none."""
         return ()
 
     @property
     def ball_diameter(self) -> float | None:
-        """Diameter of a ball that it is made of, m."""
+        """Return the diameter, m, of a ball of which it is made; None if it is made of none."""
         return None
 
     @property
     def neighbours(self) -> float | None:
-        """Distance of neighbouring balls, m, of a body that leaves a group of craters."""
+        """Return the distance of neighbouring balls, m; None for a body that leaves no group of craters."""
         return None
 
     @property
     def flat_top(self) -> float | None:
-        """Height (m) of its level top, if its sides are those of its box: a crater can be measured in it."""
+        """Return the height (m) of its level top, in which a crater can be measured.
+
+        None unless its sides are those of its box.
+        """
         return None
 
     @property
     def coarseness(self) -> str:
-        """What is wrong where it has too few points for its shape; empty where they are enough."""
+        """Return what is wrong if it has too few points for its shape; empty if they are enough."""
         return ""
 
     def is_halved_by(self, axis: int, at: float, tolerance: float) -> bool:
-        """Return whether a symmetry plane across an axis, at a coordinate (m) to a tolerance (m), may cut it: then its points are mirrored."""
+        """Return whether a symmetry plane may cut it, with its points mirrored.
+
+        The plane lies across an axis, at a coordinate (m) to a tolerance (m).
+        """
         return False
 
     def resolved(self, density: float) -> Self:
-        """Return the body with what follows from its material's density, kg/m^3. Raises ValueError where that contradicts what is given."""
+        """Return the body with what follows from its material's density, kg/m^3.
+
+        Raises ValueError if that contradicts what is given.
+        """
         return self
 
 
 def require_size(lower: Sequence[float], upper: Sequence[float]) -> None:
-    """Raise ValueError unless the corners of a box or patch span something in each direction."""
+    """Raise ValueError unless the upper corner of a box or patch exceeds the lower one in each direction."""
     if min(u - w for w, u in zip(lower, upper, strict=True)) <= 0:
         raise ValueError("upper must exceed lower in each direction")

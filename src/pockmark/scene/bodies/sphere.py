@@ -1,4 +1,4 @@
-"""A ball of material."""
+"""A sphere: a ball of material."""
 
 from typing import Annotated, Literal, Self
 
@@ -10,7 +10,10 @@ from .shape import Fit, Vector
 
 
 class Sphere(Balls):
-    """A ball of material, at a `center` of three coordinates, or of x and y with a `gap` between it and z = 0."""
+    """A ball of material.
+
+    `center` has three coordinates, or x and y with a `gap` between the ball and z = 0.
+    """
 
     shape: Literal["sphere"]
     center: tuple[Length, ...]
@@ -27,18 +30,18 @@ class Sphere(Balls):
 
     @property
     def places(self) -> tuple[Vector]:
-        """Its own centre, m."""
+        """Return its own centre, m."""
         x, y = self.center[:2]
         return ((x, y, self.center[2] if self.gap is None else self.gap + self.fit.length),)
 
     @property
     def fit(self) -> Fit:
-        """How points fill its radius."""
+        """Return how points fill its radius."""
         return Fit.of(self.radius, self.spacing, self.rounded)
 
     @property
     def written_radius(self) -> float:
-        """Its radius as it is written, m."""
+        """Return its radius as it is written, m."""
         return self.radius
 
     def is_halved_by(self, axis: int, at: float, tolerance: float) -> bool:

@@ -1,4 +1,4 @@
-"""Equal balls of material over a patch."""
+"""A swarm: equal balls of material over a patch."""
 
 import math
 from functools import cached_property
@@ -15,11 +15,12 @@ MAX_SEED = 2**63 - 1  # TOML's largest whole number
 
 
 class Swarm(Balls):
-    """Equal balls of material over a rectangular patch, their centres at one height, or a `gap` between them and z = 0.
+    """A swarm of equal balls of material over a rectangular patch.
 
-    On a lattice with a `pitch`, or at random places of the patch (`seed`), each ball whole in it and clear of the others.
-    `flux` is the swarm's mass a patch area: on a lattice it gives the radius (Liu et al. 2015, Eq. 29), at random places
-    the number of balls.
+    Their centres have one `height`, or there is a `gap` between them and z = 0. They lie on a lattice with a `pitch`,
+    or at random places of the patch (`seed`), each ball whole in it and clear of the others. `flux` is the swarm's
+    mass over the patch's area. On a lattice it gives the radius (Liu et al. 2015, Eq. 29), at random places the
+    number of balls.
     """
 
     shape: Literal["swarm"]
@@ -47,8 +48,11 @@ class Swarm(Balls):
         return self
 
     def resolved(self, density: float) -> Self:
-        """Return the swarm with what follows from its flux, of a material of `density` kg/m^3, its balls known to fit. Raises ValueError
-        where that contradicts what is given, or they do not."""
+        """Return the swarm with what follows from its flux, and with balls that are known to fit.
+
+        `density` is its material's, kg/m^3. Raises ValueError if the flux contradicts what is given, or if the balls
+        do not fit.
+        """
         swarm = self._filled(density)
         if not swarm.centers:
             raise ValueError(
@@ -57,6 +61,7 @@ class Swarm(Balls):
         return swarm
 
     def _filled(self, density: float) -> Self:
+        """Return the swarm with the radius or the number that its flux makes. Raises ValueError."""
         if self.flux is None:
             return self
         if self.pitch is not None:
@@ -69,6 +74,7 @@ class Swarm(Balls):
         return self._with("number", round(number))
 
     def _with(self, key: str, value: float) -> Self:
+        """Return the swarm with a value of a key. Raises ValueError if another value is given."""
         given = getattr(self, key)
         if given is not None and not math.isclose(given, value, rel_tol=1e-9):
             raise ValueError(f"flux makes the {key} {value:.6g}, found {given:.6g}: give one of the two")
@@ -76,7 +82,7 @@ class Swarm(Balls):
 
     @cached_property
     def centers(self) -> tuple[Vector, ...]:
-        """Centres of the balls, m. Raises ValueError if they do not fit into the patch."""
+        """Return the centres of the balls, m. Raises ValueError if they do not fit into the patch."""
         radius = max(self.radius or 0.0, self.fit.length)  # clear of each other as written and as filled
         if self.pitch is None:
             places = at_random(self.lower, self.upper, radius, self.number or 0, self.seed or 0)
@@ -89,22 +95,25 @@ class Swarm(Balls):
 
     @property
     def places(self) -> tuple[Vector, ...]:
-        """Centres of its balls, m."""
+        """Return the centres of its balls, m."""
         return self.centers
 
     @property
     def fit(self) -> Fit:
-        """How points fill the radius of a ball."""
+        """Return how points fill the radius of a ball."""
         return Fit.of(self.radius or 0.0, self.spacing, self.rounded)
 
     @property
     def written_radius(self) -> float:
-        """Radius of a ball as it is written, or as it follows from the flux, m."""
+        """Return the radius of a ball, m, as it is written or as it follows from the flux."""
         return self.radius or 0.0
 
     @property
     def neighbours(self) -> float:
-        """Distance of neighbouring balls, m; at random places that of a lattice of as many."""
+        """Return the distance of neighbouring balls, m.
+
+        At random places it is that of a lattice of as many balls.
+        """
         if self.pitch is not None:
             return self.pitch
         area = math.prod(u - w for w, u in zip(self.lower, self.upper, strict=True))

@@ -12,7 +12,7 @@ from pockmark.scene.bodies import Block, Cylinder, Sphere, Swarm, overlap
 from pockmark.scene.forecast import forecast
 from pockmark.scene.warnings import cells_across
 
-QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
+QUICK = Path(__file__).parents[3] / "examples" / "quick.toml"
 UM = 1e-6
 CENTER = (1.37 * UM, -0.71 * UM, 3.3 * UM)
 SIZES = [

@@ -10,7 +10,7 @@ from pockmark.metrology.crater import measure_crater
 from pockmark.metrology.hole import measure_hole
 from pockmark.metrology.morphology import measure_group
 from pockmark.metrology.results import group_table, hole_table
-from pockmark.metrology.surface import target_field
+from pockmark.metrology.surface import target_filling
 from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.wall import first_wall, walls
@@ -21,7 +21,7 @@ HALF = (Mirror(1, 0.0, above=False),)
 
 
 def plate(solid, thickness, face=None, mirrors=HALF, sag=None, debris=()):
-    """Field of a plate of points at the sub-points of each place where solid(x, y, z) holds (um); `sag`: how far down the
+    """Return the filling of a plate of points at the sub-points of each place where solid(x, y, z) holds (um); `sag`: how far down the
     plate is bent, as a function of x, y."""
     axes = [
         np.arange(a, b, H / 2) + H / 4 for a, b in ((-60, 60), (0 if mirrors else -60, 60), (-thickness, 0))
@@ -35,7 +35,7 @@ def plate(solid, thickness, face=None, mirrors=HALF, sag=None, debris=()):
         (0,), (-60 * UM, 0.0 if mirrors else -60 * UM, -thickness * UM), (60 * UM, 60 * UM, 0.0), H * UM, face
     )
     volume = np.full(len(x), (H * UM / 2) ** 3)
-    return target_field(x * UM, volume, H * UM, mirrors=mirrors, wall=wall), wall
+    return target_filling(x * UM, volume, Setup(H * UM, mirrors, wall=wall)), wall
 
 
 def round_hole(radius, tilt=0.0, waist=0.0):
@@ -46,14 +46,14 @@ def round_hole(radius, tilt=0.0, waist=0.0):
 @pytest.mark.parametrize("face", [None, "free"])
 @pytest.mark.parametrize("mirrors", [(), HALF])
 def test_a_hole_has_a_width_and_no_depth(thickness, face, mirrors):
-    field, wall = plate(round_hole(9), thickness, face, mirrors)
-    surface = field.surface()
+    filling, wall = plate(round_hole(9), thickness, face, mirrors)
+    surface = filling.surface()
     hole = measure_hole(surface)
     assert measure_crater(surface) is None
     assert hole.count == 1
     assert (hole.width / UM, hole.diameter / UM) == pytest.approx((18, 18), abs=H / 2)
     assert hole.place[:2] == pytest.approx((0, 0), abs=H / 2 * UM)
-    u = hole_table(field, hole)["uncertainty"]["hole_width"] / UM
+    u = hole_table(filling, hole)["uncertainty"]["hole_width"] / UM
     print(f"width {hole.width / UM:.2f} +- {u:.2f} of 18 um")
     assert abs(hole.width / UM - 18) < 2 * u < 2 * H
     (sentence,) = of_hole(hole, surface, Setup(H * UM, wall=wall))
@@ -99,7 +99,7 @@ def test_what_is_narrower_than_a_point_spacing_is_no_hole():
 
 
 def test_a_narrow_channel_below_a_crater_is_found():
-    """Coarse cells do not see it: the field is carried on to the back."""
+    """Coarse cells do not see it: the filling is carried on to the back."""
     surface = plate(lambda x, y, z: round_hole(1.9)(x, y, z) & ((np.hypot(x, y) > 12) | (z < -6)), 40)[
         0
     ].surface()
@@ -109,8 +109,8 @@ def test_a_narrow_channel_below_a_crater_is_found():
 
 def test_a_dome_below_the_back_is_no_hole():
     """A plate of 8 um that is bent down by 20 um is whole, and the deepest point of its front is 20 um down."""
-    field, wall = plate(lambda x, y, z: z < 0, 8, sag=lambda x, y: 20 * np.exp(-(x**2 + y**2) / 15**2))
-    surface = field.surface()
+    filling, wall = plate(lambda x, y, z: z < 0, 8, sag=lambda x, y: 20 * np.exp(-(x**2 + y**2) / 15**2))
+    surface = filling.surface()
     crater = measure_crater(surface)
     assert measure_hole(surface) is None
     assert crater.depth / UM == pytest.approx(20, abs=H / 2)
@@ -127,8 +127,8 @@ def test_debris_below_a_plate_does_not_widen_what_is_looked_at():
 @pytest.mark.parametrize("face", ["transmitting", "fixed", "symmetry"])
 @pytest.mark.parametrize("depth", [39.5, 60])
 def test_a_crater_at_the_bottom_of_what_is_computed_has_no_depth(face, depth):
-    field, wall = plate(lambda x, y, z: (np.hypot(x, y) > 9) | (z < -depth), 40, face)
-    surface = field.surface()
+    filling, wall = plate(lambda x, y, z: (np.hypot(x, y) > 9) | (z < -depth), 40, face)
+    surface = filling.surface()
     assert measure_crater(surface) is None
     assert measure_hole(surface) is None
     (sentence,) = of_hole(None, surface, Setup(H * UM, wall=wall))
@@ -137,18 +137,18 @@ def test_a_crater_at_the_bottom_of_what_is_computed_has_no_depth(face, depth):
 
 
 def test_a_crater_too_large_says_so():
-    field, wall = plate(lambda x, y, z: (np.hypot(x, y) > 35) | (z < -25), 40, "transmitting")
-    surface = field.surface()
+    filling, wall = plate(lambda x, y, z: (np.hypot(x, y) > 35) | (z < -25), 40, "transmitting")
+    surface = filling.surface()
     crater = measure_crater(surface)
     deep, wide = of_crater(crater, surface, Setup(H * UM, HALF, wall=wall))
     assert crater.depth / UM == pytest.approx(25, abs=H / 2)
     assert "deeper than half of the target of 40 um" in deep
     assert "wider than half of the target's 120 um" in wide
-    field, wall = plate(lambda x, y, z: (np.hypot(x, y) > 20) | (z < -15), 40, "transmitting")
-    surface = field.surface()
+    filling, wall = plate(lambda x, y, z: (np.hypot(x, y) > 20) | (z < -15), 40, "transmitting")
+    surface = filling.surface()
     assert not [*of_crater(measure_crater(surface), surface, Setup(H * UM, HALF, wall=wall))]
-    field, wall = plate(lambda x, y, z: (abs(y) > 20) | (z < -15 - x / 10), 40, "transmitting")
-    surface = field.surface()
+    filling, wall = plate(lambda x, y, z: (abs(y) > 20) | (z < -15 - x / 10), 40, "transmitting")
+    surface = filling.surface()
     sentences = [*of_crater(measure_crater(surface), surface, Setup(H * UM, HALF, wall=wall))]
     assert any("floor touches a side face" in s for s in sentences)
     assert any("opening reaches the edge" in s for s in sentences)

@@ -13,7 +13,7 @@ from pockmark.run.points import make_points
 from pockmark.scene.bodies import Swarm
 from pockmark.scene.bodies.placement import TRIES, at_random
 
-GROUP = Path(__file__).parents[2] / "examples" / "group-4500.toml"
+GROUP = Path(__file__).parents[3] / "examples" / "group-4500.toml"
 DENSITY = 2770.0
 
 

@@ -12,7 +12,7 @@ from pockmark.run.points import make_points
 from pockmark.run.setup import setup_of
 from pockmark.scene.bodies import Block, Sphere, Swarm, overlap
 
-QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
+QUICK = Path(__file__).parents[3] / "examples" / "quick.toml"
 UM = 1e-6
 RATIOS = [
     1.5,
