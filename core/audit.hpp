@@ -72,8 +72,11 @@ struct Audit {
   static Audit from(const double* numbers) {
     Audit audit;
     for (auto& count : audit.counts) count = std::int64_t(*numbers++);
-    audit.wave_speed = numbers[0], audit.volumetric_rate = numbers[1], audit.compression = numbers[2];
-    audit.plastic_work = numbers[3], audit.viscous_work = numbers[4];
+    audit.wave_speed = numbers[0];
+    audit.volumetric_rate = numbers[1];
+    audit.compression = numbers[2];
+    audit.plastic_work = numbers[3];
+    audit.viscous_work = numbers[4];
     return audit;
   }
   void count(Counter c) { ++counts[std::size_t(c)]; }

@@ -21,7 +21,8 @@ PM_HD FaceNode face_node(const GridGeometry<T>& grid, int face, std::size_t fiel
   const int axis = face / 2, plane = face % 2 ? grid.pad + grid.cells[axis] : grid.pad;
   const int inward = face % 2 ? -1 : 1;
   int ijk[3];
-  ijk[(axis + 1) % 3] = b, ijk[(axis + 2) % 3] = c;
+  ijk[(axis + 1) % 3] = b;
+  ijk[(axis + 2) % 3] = c;
   const auto node = [&](int offset) {
     ijk[axis] = plane + offset;
     return field * grid.node_count() + grid.index(ijk[0], ijk[1], ijk[2]);

@@ -33,7 +33,8 @@ PM_HD void strain_elastically(const Material<T>& material, PointState<V>& point,
   auto change = (T(2) * shear) * deviator(strain.small);
   if (material.deviator_per_initial_volume()) {
     const V after = V(1) / point.ratio();
-    s = (before * after) * s, change = after * change;
+    s = (before * after) * s;
+    change = after * change;
   }
   s = s + change;
   point.deviator = select(point.damage < V(1), s, Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});

@@ -31,7 +31,8 @@ struct GridGeometry {
   GridGeometry() = default;
   GridGeometry(const Vec3<T>& lower_, T cell_, const std::array<int, 3>& cells_)
       : lower(lower_), cell(cell_), per_metre(T(1) / cell_), cells(cells_) {
-    per_plane = 1.0 / double(index(1, 0, 0)), per_row = 1.0 / double(index(0, 1, 0));
+    per_plane = 1.0 / double(index(1, 0, 0));
+    per_row = 1.0 / double(index(0, 1, 0));
   }
 
   PM_HD int nodes(int axis) const { return cells[axis] + 1 + 2 * pad; }

@@ -89,9 +89,18 @@ struct Lanes {
   PM_HD friend Lanes operator*(Lanes a, Lanes b) { return Lanes(a.v * b.v); }
   PM_HD friend Lanes operator/(Lanes a, Lanes b) { return Lanes(a.v / b.v); }
   PM_HD friend Lanes operator-(Lanes a) { return Lanes(-a.v); }
-  PM_HD Lanes& operator+=(Lanes b) { return v += b.v, *this; }
-  PM_HD Lanes& operator-=(Lanes b) { return v -= b.v, *this; }
-  PM_HD Lanes& operator*=(Lanes b) { return v *= b.v, *this; }
+  PM_HD Lanes& operator+=(Lanes b) {
+    v += b.v;
+    return *this;
+  }
+  PM_HD Lanes& operator-=(Lanes b) {
+    v -= b.v;
+    return *this;
+  }
+  PM_HD Lanes& operator*=(Lanes b) {
+    v *= b.v;
+    return *this;
+  }
   PM_HD friend LaneMask<T> operator<(Lanes a, Lanes b) { return LaneMask<T>::less(a, b); }
   PM_HD friend LaneMask<T> operator<=(Lanes a, Lanes b) { return LaneMask<T>::less_equal(a, b); }
   PM_HD friend LaneMask<T> operator>(Lanes a, Lanes b) { return b < a; }
@@ -214,7 +223,12 @@ struct Pack<Lanes<T, bytes>> {
     return n == width ? load(at) : V(typename V::Raw(masked_load(lanes(n), at, typename V::Raw{})));
   }
   PM_HD static void store(T* at, V v) { *reinterpret_cast<InMemory*>(at) = v.v; }
-  PM_HD static void store(T* at, V v, int n) { n == width ? store(at, v) : masked_store(lanes(n), at, v.v); }
+  PM_HD static void store(T* at, V v, int n) {
+    if (n == width)
+      store(at, v);
+    else
+      masked_store(lanes(n), at, v.v);
+  }
 
  private:
 #ifdef __AVX512F__

@@ -115,9 +115,12 @@ struct MaterialSpec {
     choose(m.strength, strength, "strength");
     choose(m.failure, failure, "failure");
     m.density = T(density);
-    m.specific_heat = T(specific_heat), m.taylor_quinney = T(taylor_quinney);
-    m.t_room = T(room_temperature), m.t_melt = T(melt_temperature);
-    m.q_quadratic = T(q_quadratic), m.q_linear = T(q_linear);
+    m.specific_heat = T(specific_heat);
+    m.taylor_quinney = T(taylor_quinney);
+    m.t_room = T(room_temperature);
+    m.t_melt = T(melt_temperature);
+    m.q_quadratic = T(q_quadratic);
+    m.q_linear = T(q_linear);
     m.specific_volume = T(1) / m.density;
     m.least_energy = T(-0.001) * m.density * m.specific_heat * m.t_room;
     m.bulk_modulus = m.eos.visit([](const auto& e) { return e.at(Compression<T>::of(T(0)), T(0)).by_mu; });

@@ -120,7 +120,9 @@ struct PointStore {
   template <class F>
   void for_each_array(F&& f) {
     for (auto& component : components) f(component);
-    f(body), f(id), f(cell);
+    f(body);
+    f(id);
+    f(cell);
   }
   void reserve(std::size_t count) {
     for_each_array([&](auto& array) { array.reserve(count); });
@@ -135,7 +137,9 @@ struct PointStore {
       for (int c = 0; c < info.components; ++c)
         f("points." + std::string(info.name) + (info.components > 1 ? "." + std::to_string(c) : ""),
           components[first_component(info.field) + c]);
-    f("points.body", body), f("points.id", id), f("points.cell", cell);
+    f("points.body", body);
+    f("points.id", id);
+    f("points.cell", cell);
   }
   bool is_whole() const {
     return std::ranges::all_of(components, [&](const auto& c) { return c.size() == size(); }) &&
@@ -144,7 +148,10 @@ struct PointStore {
   Points<T> view() {
     Points<T> points;
     for (int c = 0; c < component_count; ++c) points.components[c] = components[c].data();
-    points.body = body.data(), points.id = id.data(), points.cell = cell.data(), points.count = size();
+    points.body = body.data();
+    points.id = id.data();
+    points.cell = cell.data();
+    points.count = size();
     return points;
   }
 };

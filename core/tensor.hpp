@@ -8,10 +8,18 @@ template <class T>
 struct Vec3 {
   T x{}, y{}, z{};
 
-  PM_HD T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
-  PM_HD T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  PM_HD T& operator[](int axis) {
+    if (axis == 0) return x;
+    return axis == 1 ? y : z;
+  }
+  PM_HD T operator[](int axis) const {
+    if (axis == 0) return x;
+    return axis == 1 ? y : z;
+  }
   PM_HD Vec3& operator+=(const Vec3& b) {
-    x += b.x, y += b.y, z += b.z;
+    x += b.x;
+    y += b.y;
+    z += b.z;
     return *this;
   }
 };
@@ -39,7 +47,11 @@ struct Quad {
   Four<T> v{};
 
   PM_HD Vec3<T> vector() const { return {v[0], v[1], v[2]}; }
-  PM_HD void set_vector(const Vec3<T>& a) { v[0] = a.x, v[1] = a.y, v[2] = a.z; }
+  PM_HD void set_vector(const Vec3<T>& a) {
+    v[0] = a.x;
+    v[1] = a.y;
+    v[2] = a.z;
+  }
   PM_HD Quad& operator+=(const Quad& b) {
     v += b.v;
     return *this;
@@ -103,7 +115,8 @@ struct Strain {
     const T opened = trace(small), shrunk = T(1) - T(0.5) * opened;
     const T turned = T(1) + dot(half_turn, half_turn);
     const T share = T(1) / (turned * shrunk);  // one division for two
-    growth = opened * (share * turned), turn = T(2) * (share * shrunk);
+    growth = opened * (share * turned);
+    turn = T(2) * (share * shrunk);
   }
 };
 

@@ -128,11 +128,17 @@ class Interpolant {
             line += n.w[2][k] * nodes_.at[i][j][k].v[c];
             line_z += n.g[2][k] * nodes_.at[i][j][k].v[c];
           }
-          plane += n.w[1][j] * line, plane_y += n.g[1][j] * line, plane_z += n.w[1][j] * line_z;
+          plane += n.w[1][j] * line;
+          plane_y += n.g[1][j] * line;
+          plane_z += n.w[1][j] * line_z;
         }
-        dx += n.g[0][i] * plane, dy += n.w[0][i] * plane_y, dz += n.w[0][i] * plane_z;
+        dx += n.g[0][i] * plane;
+        dy += n.w[0][i] * plane_y;
+        dz += n.w[0][i] * plane_z;
       }
-      derivative[c][0] = dx, derivative[c][1] = dy, derivative[c][2] = dz;
+      derivative[c][0] = dx;
+      derivative[c][1] = dy;
+      derivative[c][2] = dz;
     }
   }
 
@@ -150,8 +156,14 @@ class Interpolant<Linear<T>, T> {
     const auto x2 = n[1][0][1].v - n[0][0][1].v, x3 = n[1][1][1].v - n[0][1][1].v;
     const auto y0 = n[0][1][0].v - n[0][0][0].v, y2 = n[0][1][1].v - n[0][0][1].v;
     const auto z0 = n[0][0][1].v - n[0][0][0].v;
-    one_.v = n[0][0][0].v, x_.v = x0, y_.v = y0, z_.v = z0;
-    xy_.v = x1 - x0, yz_.v = y2 - y0, zx_.v = x2 - x0, xyz_.v = (x3 - x2) - (x1 - x0);
+    one_.v = n[0][0][0].v;
+    x_.v = x0;
+    y_.v = y0;
+    z_.v = z0;
+    xy_.v = x1 - x0;
+    yz_.v = y2 - y0;
+    zx_.v = x2 - x0;
+    xyz_.v = (x3 - x2) - (x1 - x0);
   }
 
   template <class V>
@@ -192,7 +204,8 @@ PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
   Strain<V> strain;
   strain.small = {at(0), at(1), at(2), at(3), at(4), at(5)};
   strain.half_turn = {at(6), at(7), at(8)};
-  strain.growth = at(9), strain.turn = at(10);
+  strain.growth = at(9);
+  strain.turn = at(10);
   return strain;
 }
 

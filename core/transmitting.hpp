@@ -30,7 +30,8 @@ struct AnchorageView {
     int low[3], high[3];
     for (int a = 0; a < 3; ++a) {
       const int reach = a == axis ? 0 : 1;
-      low[a] = max(cell[a] - reach, 0), high[a] = min(cell[a] + reach, grid.nodes(a) - 1);
+      low[a] = max(cell[a] - reach, 0);
+      high[a] = min(cell[a] + reach, grid.nodes(a) - 1);
     }
     for (int i = low[0]; i <= high[0]; ++i)
       for (int j = low[1]; j <= high[1]; ++j)
@@ -50,7 +51,8 @@ class Anchorage {
   template <class T>
   void begin(const GridGeometry<T>& grid, std::size_t bodies) {
     flies_.resize(bodies);
-    held_.assign(grid.node_count(), 1), filled_.assign(grid.node_count(), 0);
+    held_.assign(grid.node_count(), 1);
+    filled_.assign(grid.node_count(), 0);
   }
   AnchorageView view() { return {flies_.data(), held_.data(), filled_.data()}; }
   // Gives up the cells in which nothing was noted since the last time.

@@ -224,7 +224,8 @@ PM_HD void reflect(const Points<T>& points, const GridGeometry<T>& grid, std::si
     if (!(beyond > T(0) || (face % 2 && beyond == T(0))) || !(beyond < T(grid.cells[a]))) continue;
     const T inside = face % 2 ? -max(beyond, std::numeric_limits<T>::epsilon()) : beyond;  // from the plane
     const T shift = std::floor(inside - T(Shape::offset));
-    base[a] = plane + int(shift), f[a] = inside - shift;
+    base[a] = plane + int(shift);
+    f[a] = inside - shift;
     T* v = points.at(Field::velocity, a);
     v[p] = -v[p];
     // xy, yz, zx: two of them have the axis.
@@ -244,7 +245,8 @@ PM_NOINLINE bool relocate(const Points<T>& points, const GridGeometry<T>& grid, 
   for (int a = 0; a < 3; ++a) {
     const T shift = std::floor(f[a] - T(Shape::offset));
     if (!(std::abs(shift) < T(1e6))) continue;  // it has left
-    base[a] += int(shift), f[a] -= shift;
+    base[a] += int(shift);
+    f[a] -= shift;
   }
   reflect<Shape>(points, grid, p, base, f);
   const int face = face_crossed(grid, base, f);

@@ -11,7 +11,10 @@ namespace pockmark::cpu {
 struct Groups {
   std::vector<Block> blocks;
   std::vector<Run> runs;
-  void clear() { blocks.clear(), runs.clear(); }
+  void clear() {
+    blocks.clear();
+    runs.clear();
+  }
   void add(const Block& block) {
     runs.insert(runs.end(), block.runs, block.runs + block.run_count);
     blocks.push_back(block);
@@ -19,8 +22,10 @@ struct Groups {
   // The runs may have moved in memory.
   void link(std::size_t first_block, std::size_t first_run) {
     const Run* first = runs.data() + first_run;
-    for (std::size_t b = first_block; b < blocks.size(); ++b)
-      blocks[b].runs = first, first += blocks[b].run_count;
+    for (std::size_t b = first_block; b < blocks.size(); ++b) {
+      blocks[b].runs = first;
+      first += blocks[b].run_count;
+    }
   }
 };
 
@@ -33,7 +38,8 @@ std::size_t add_block(const Points<T>& points, const GridGeometry<T>& grid, Grou
   end = std::min(end, p + Block::most);
   while (block.end < end && points.cell[block.end] != gone) {
     Run run;
-    run.begin = block.end, run.node = points.cell[run.begin];
+    run.begin = block.end;
+    run.node = points.cell[run.begin];
     grid.split(run.node, run.base);
     while (++block.end < end && points.cell[block.end] == run.node) {
     }

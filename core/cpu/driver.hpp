@@ -28,7 +28,10 @@ class Driver {
     for (auto& buffer : buffers_) buffer.assign(grid.field_count * grid.node_count(), {});
   }
   void reserve(std::size_t count) { store_.reserve(count); }
-  void resize(std::size_t count) { store_.resize(count), points_ = store_.view(); }
+  void resize(std::size_t count) {
+    store_.resize(count);
+    points_ = store_.view();
+  }
   const Points<T>& points() const { return points_; }
   template <Nodal quantity>
   NodeField<T, quantity> nodes(int buffer) {
@@ -87,7 +90,8 @@ class Driver {
     tiles_.locate(points_, grid_);
     tiles_.split(points_, grid_, support, threads_);
     tiles_.renew_spans();
-    sorted_runs_ = std::int64_t(tiles_.run_count()), disorder_ = 0;
+    sorted_runs_ = std::int64_t(tiles_.run_count());
+    disorder_ = 0;
     ++sorts_;
   }
   // Points are sorted by cell again when that pays: once the runs that disorder has added since, step by
@@ -105,9 +109,13 @@ class Driver {
   template <class F>
   void for_each_part(F&& f, int support) {
     store_.for_each_part(f);
-    f("order.sorted_runs", sorted_runs_), f("order.disorder", disorder_), f("order.sorts", sorts_);
+    f("order.sorted_runs", sorted_runs_);
+    f("order.disorder", disorder_);
+    f("order.sorts", sorts_);
     auto order = tiles_.order();
-    f("order.blocks", order.blocks), f("order.begin", order.begin), f("order.end", order.end);
+    f("order.blocks", order.blocks);
+    f("order.begin", order.begin);
+    f("order.end", order.end);
     f("order.rest", order.rest);
     if constexpr (!std::remove_cvref_t<F>::restores) return;
     if (!store_.is_whole()) throw std::invalid_argument("points: arrays of different lengths");

@@ -65,8 +65,10 @@ PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run,
       const auto a = sum[0][i], b = sum[1][i], c = sum[2][i], d = sum[3][i];
       const auto ab0 = PM_PICK(a, b, 0, 4, 2, 6), ab1 = PM_PICK(a, b, 1, 5, 3, 7);
       const auto cd0 = PM_PICK(c, d, 0, 4, 2, 6), cd1 = PM_PICK(c, d, 1, 5, 3, 7);
-      at[0][0].v += PM_PICK(ab0, cd0, 0, 1, 4, 5), at[0][1].v += PM_PICK(ab1, cd1, 0, 1, 4, 5);
-      at[1][0].v += PM_PICK(ab0, cd0, 2, 3, 6, 7), at[1][1].v += PM_PICK(ab1, cd1, 2, 3, 6, 7);
+      at[0][0].v += PM_PICK(ab0, cd0, 0, 1, 4, 5);
+      at[0][1].v += PM_PICK(ab1, cd1, 0, 1, 4, 5);
+      at[1][0].v += PM_PICK(ab0, cd0, 2, 3, 6, 7);
+      at[1][1].v += PM_PICK(ab1, cd1, 2, 3, 6, 7);
     } else {
       const auto a = sum[0][0], b = sum[1][0], c = sum[2][0], d = sum[3][0];
       const auto ab0 = PM_PICK(a, b, 0, 8, 2, 10, 4, 12, 6, 14),
@@ -88,7 +90,8 @@ PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run,
 template <class T>
 PM_HD void spread(T f, const Nodes<T>& face, Nodes<T> (&out)[NodeLanes<T>::parts]) {
   if constexpr (NodeLanes<T>::parts == 2) {
-    out[1] = f * face, out[0] = face - out[1];
+    out[1] = f * face;
+    out[0] = face - out[1];
   } else {
     out[0] = AxisWeights<T>::slowest()(f) * face;
   }
@@ -109,7 +112,9 @@ PM_HD void add_momentum_lanes(const Points<T>& points, const GridGeometry<T>& gr
   do {  // a run is never empty
     spread(fx[p], mass[p] * (y(fy[p]) * z(fz[p])), weight);
     for (int i = 0; i < parts; ++i) {
-      sum[0][i] += vx[p] * weight[i], sum[1][i] += vy[p] * weight[i], sum[2][i] += vz[p] * weight[i];
+      sum[0][i] += vx[p] * weight[i];
+      sum[1][i] += vy[p] * weight[i];
+      sum[2][i] += vz[p] * weight[i];
       sum[3][i] += weight[i];
     }
   } while (++p < run.end);
@@ -146,9 +151,15 @@ PM_HD void add_internal_force_lanes(const Points<T>& points, const GridGeometry<
     const auto s = [&](int c) { return push.load(c, p - block.begin); };
     const auto x = slow(fx[p]), z = fast(fz[p]);
     const auto yz = slow(fy[p]) * z, xz = x * z, xy = x * fast(fy[p]);
-    by_x[0] += s(0) * yz, by_x[1] += s(3) * yz, by_x[2] += s(5) * yz;
-    by_y[0] += s(3) * xz, by_y[1] += s(1) * xz, by_y[2] += s(4) * xz;
-    by_z[0] += s(5) * xy, by_z[1] += s(4) * xy, by_z[2] += s(2) * xy;
+    by_x[0] += s(0) * yz;
+    by_x[1] += s(3) * yz;
+    by_x[2] += s(5) * yz;
+    by_y[0] += s(3) * xz;
+    by_y[1] += s(1) * xz;
+    by_y[2] += s(4) * xz;
+    by_z[0] += s(5) * xy;
+    by_z[1] += s(4) * xy;
+    by_z[2] += s(2) * xy;
   } while (++p < run.end);
   Nodes<T> sum[4][NodeLanes<T>::parts]{};
   for (int c = 0; c < 3; ++c) {

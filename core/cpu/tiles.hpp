@@ -22,7 +22,8 @@ class Tiles {
   template <class T>
   void locate(const Points<T>& points, const GridGeometry<T>& grid) {
     nodes_ = {grid.nodes(0), grid.nodes(1), grid.nodes(2)};
-    along_ = (nodes_[0] + planes - 1) / planes, across_ = (nodes_[1] + rows - 1) / rows;
+    along_ = (nodes_[0] + planes - 1) / planes;
+    across_ = (nodes_[1] + rows - 1) / rows;
     tiles_.resize(along_ * across_);
     begin_.assign(grid.field_count * nodes_[0] * across_ + 1, points.count);
     for (std::size_t field = 0; field < grid.field_count; ++field)
@@ -47,8 +48,10 @@ class Tiles {
     for (const Tile& tile : tiles_) {
       order.blocks.push_back(std::uint32_t(tile.blocks.size()));
       order.rest.push_back(std::uint8_t(tile.rests + 2 * tile.sleeps + 4 * tile.idles));
-      for (const Block& block : tile.blocks)
-        order.begin.push_back(std::uint32_t(block.begin)), order.end.push_back(std::uint32_t(block.end));
+      for (const Block& block : tile.blocks) {
+        order.begin.push_back(std::uint32_t(block.begin));
+        order.end.push_back(std::uint32_t(block.end));
+      }
     }
     return order;
   }
@@ -67,7 +70,9 @@ class Tiles {
           throw std::invalid_argument("a block holds points that there are not");
         add_blocks(points, grid, tile, order.begin[b], order.end[b]);
       }
-      tile.rests = order.rest[t] & 1, tile.sleeps = order.rest[t] & 2, tile.idles = order.rest[t] & 4;
+      tile.rests = order.rest[t] & 1;
+      tile.sleeps = order.rest[t] & 2;
+      tile.idles = order.rest[t] & 4;
       tile.link(0, 0);
       find_touched(tile, support);
     }
@@ -85,7 +90,8 @@ class Tiles {
     for (int t = 0; t < count(); ++t) {
       Span all;
       for_each_neighbour(t, [&](int u) { all.cover(tiles_[u].touched); });
-      tiles_[t].stale.cover(tiles_[t].active), tiles_[t].active = all;
+      tiles_[t].stale.cover(tiles_[t].active);
+      tiles_[t].active = all;
     }
   }
   void forget_stale() {
@@ -189,7 +195,10 @@ class Tiles {
   // Nodes along z.
   struct Span {
     int begin = INT32_MAX, end = INT32_MIN;
-    void cover(const Span& other) { begin = std::min(begin, other.begin), end = std::max(end, other.end); }
+    void cover(const Span& other) {
+      begin = std::min(begin, other.begin);
+      end = std::max(end, other.end);
+    }
   };
   struct Tile : Groups {
     Span touched;        // by its own points
@@ -226,7 +235,8 @@ class Tiles {
   template <class T>
   void split_tile(const Points<T>& points, const GridGeometry<T>& grid, int support, int t) {
     Tile& tile = tiles_[t];
-    tile.clear(), tile.astray = false;
+    tile.clear();
+    tile.astray = false;
     // The points of a tile are consecutive plane by plane, field by field.
     const int first_plane = t / across_ * planes, end_plane = std::min(first_plane + planes, nodes_[0]);
     for (std::size_t field = 0; field < grid.field_count; ++field)
@@ -254,8 +264,12 @@ class Tiles {
       changed = true;
       add_blocks(points, grid, fresh, old.begin, old.end);
       fresh.link(first_block, first_run);
-      for (std::size_t b = first_block; b < fresh.blocks.size(); ++b)
-        within_reach(t, fresh.blocks[b]) ? then(t, fresh.blocks[b]) : void(tile.astray = true);
+      for (std::size_t b = first_block; b < fresh.blocks.size(); ++b) {
+        if (within_reach(t, fresh.blocks[b]))
+          then(t, fresh.blocks[b]);
+        else
+          tile.astray = true;
+      }
     }
     if (!changed) return;
     std::swap(static_cast<Groups&>(tile), fresh);

@@ -139,10 +139,14 @@ class Contact {
         int ijk[3];
         grid.split(image.node, ijk);
         if (ijk[axis] != inside) continue;
-        face % 2 ? image.node += 2 * stride[axis] : image.node -= 2 * stride[axis];
+        if (face % 2)
+          image.node += 2 * stride[axis];
+        else
+          image.node -= 2 * stride[axis];
         image.normal[axis] = -image.normal[axis];
         slot_[image.node] = std::uint32_t(meetings_.size());
-        meetings_.push_back(image), image_of_.push_back(i);
+        meetings_.push_back(image);
+        image_of_.push_back(i);
       }
     }
   }

@@ -19,8 +19,10 @@ struct Ledger {
     return kinetic + internal + absorbed + left_kinetic + left_internal + pic + contact - initial;
   }
   Ledger& operator+=(const Ledger& other) {
-    kinetic += other.kinetic, internal += other.internal;
-    mass += other.mass, momentum += other.momentum;
+    kinetic += other.kinetic;
+    internal += other.internal;
+    mass += other.mass;
+    momentum += other.momentum;
     return *this;
   }
 };

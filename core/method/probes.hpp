@@ -77,7 +77,8 @@ std::vector<float> volume_fraction(const Model<T>& model, const Driver& driver,
     for (int a = 0; a < 3; ++a) {
       const int beyond = f[a] >= T(1);  // a wider stencil begins a node earlier
       base[a] = run.base[a] + beyond;
-      w[a][1] = float(f[a]) - float(beyond), w[a][0] = 1 - w[a][1];
+      w[a][1] = float(f[a]) - float(beyond);
+      w[a][0] = 1 - w[a][1];
     }
     float* first = out.data() + grid.index(base[0], base[1], base[2]);
     for (int i = 0; i < 2; ++i)

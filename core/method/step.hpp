@@ -163,7 +163,8 @@ class Step {
               momentum);
         },
         before, after);
-    state_.momentum = 2 - state_.momentum, state_.is_mapped = true;
+    state_.momentum = 2 - state_.momentum;
+    state_.is_mapped = true;
   }
 
   // Accounts for the energy that transmitting faces and contact took; `final`: the velocity that the points

@@ -36,7 +36,8 @@ class TransmittingFaces {
   }
   // Lists the nodes that are damped.
   void list(const GridGeometry<T>& grid, Damping<T> damping) {
-    nodes_.clear(), row_.clear();
+    nodes_.clear();
+    row_.clear();
     const std::size_t row = grid.nodes(2), count = grid.field_count * grid.node_count();
     for (std::size_t node = 0; node < count; ++node) {
       if (node % row == 0) row_.push_back(nodes_.size());
@@ -51,7 +52,8 @@ class TransmittingFaces {
     std::vector<T> values;
     for (const std::size_t node : nodes_)
       for (int c = 0; c < 4; ++c) values.push_back(damping[node].v[c]);
-    f("faces.nodes", nodes), f("faces.damping", values);
+    f("faces.nodes", nodes);
+    f("faces.damping", values);
     if constexpr (!std::remove_cvref_t<F>::restores) return;
     if (values.size() != 4 * nodes.size() || anchorage_.held().size() != grid.node_count())
       throw std::invalid_argument("faces: not those of this grid");

@@ -24,7 +24,10 @@ class Driver {
     for (auto& buffer : buffers_) buffer.assign(grid.field_count * grid.node_count(), {});
   }
   void reserve(std::size_t count) { store_.reserve(count); }
-  void resize(std::size_t count) { store_.resize(count), points_ = store_.view(); }
+  void resize(std::size_t count) {
+    store_.resize(count);
+    points_ = store_.view();
+  }
   const Points<T>& points() const { return points_; }
   template <Nodal quantity>
   NodeField<T, quantity> nodes(int buffer) {

@@ -106,7 +106,10 @@ PM_HD PlasticReturn<V> return_to_surface(const Law& law, V trial, V strain, cons
     const auto surface = law.surface(conditions);
     constexpr bool has_rate = RateLaw<Law>;
     T log_dt = T(0), x_kink = T(0);
-    if constexpr (has_rate) log_dt = fast_log(dt), x_kink = law.log_kink + log_dt;
+    if constexpr (has_rate) {
+      log_dt = fast_log(dt);
+      x_kink = law.log_kink + log_dt;
+    }
     auto out = ReturnMap<V, decltype(surface), decltype(three_g), has_rate>{surface, three_g, log_dt, x_kink}(
         trial, strain);
     // The lesser of two flow stresses is met by the greater of the two strains.
