@@ -3,6 +3,7 @@
 #include "audit.hpp"
 #include "material.hpp"
 #include "points.hpp"
+#include "twice.hpp"
 
 namespace pockmark {
 

@@ -1,11 +1,11 @@
 // What a driver must do for the method: hold the points and the nodes, and walk over them. The method
-// (core/method/) knows no threads, tiles or lanes; the kernels (transfer.hpp, update.hpp) are functions of
-// views.
+// (core/method/) knows no threads, tiles or lanes; the kernels (transfer.hpp, stress.hpp, motion.hpp) are
+// functions of views.
 #pragma once
 #include <concepts>
 #include <cstdint>
 
-#include "update.hpp"
+#include "transfer.hpp"
 
 namespace pockmark {
 

@@ -2,7 +2,10 @@
 // below 1e-14 in double, 4e-7 in single (tests/kernels). Arguments must be finite and normal, > 0 for log and
 // pow.
 #pragma once
+#include <bit>
+
 #include "lanes.hpp"
+#include "twice.hpp"
 
 namespace pockmark {
 

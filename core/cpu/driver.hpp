@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "../update.hpp"
+#include "../motion.hpp"
 #include "prefetch.hpp"
 #include "scatter.hpp"
 #include "sort.hpp"

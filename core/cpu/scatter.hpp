@@ -2,6 +2,8 @@
 // x. A lane is a node; what the points of a run add stays in registers until the run ends. Other shape
 // functions add a node's four numbers at a time.
 #pragma once
+#include <cstring>
+
 #include "../transfer.hpp"
 
 namespace pockmark::cpu {

@@ -1,5 +1,5 @@
-// How the CPU walks points and nodes: tiles of the grid, seen along z, of four planes by eight rows; blocks
-// and runs of points in each; threads.
+// How the CPU walks points and nodes: the blocks and runs of points in each tile of the grid (tiling.hpp),
+// and the threads that work on them.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -7,29 +7,22 @@
 #include <vector>
 
 #include "blocks.hpp"
+#include "tiling.hpp"
 
 namespace pockmark::cpu {
 
 class Tiles {
  public:
-  // A tile writes to its own planes and rows and, because points may have strayed by one since they were
-  // sorted and stencils are wide, to one before and three after. With four or more of each, tiles of one
-  // colour (even or odd in x and in y) never write to the same node, nor do tiles with one between them: no
-  // atomics, and sums do not depend on the number of threads.
-  static constexpr int planes = 4, rows = 8;
-
   // Points must be sorted by cell.
   template <class T>
   void locate(const Points<T>& points, const GridGeometry<T>& grid) {
-    nodes_ = {grid.nodes(0), grid.nodes(1), grid.nodes(2)};
-    along_ = (nodes_[0] + planes - 1) / planes;
-    across_ = (nodes_[1] + rows - 1) / rows;
-    tiles_.resize(along_ * across_);
-    begin_.assign(grid.field_count * nodes_[0] * across_ + 1, points.count);
+    tiling_ = Tiling({grid.nodes(0), grid.nodes(1), grid.nodes(2)});
+    tiles_.resize(tiling_.count());
+    begin_.assign(grid.field_count * tiling_.nodes[0] * tiling_.across + 1, points.count);
     for (std::size_t field = 0; field < grid.field_count; ++field)
-      for (int i = 0; i < nodes_[0]; ++i)
-        for (int t = 0; t < across_; ++t) {
-          const std::uint64_t first_node = field * grid.node_count() + grid.index(i, t * rows, 0);
+      for (int i = 0; i < tiling_.nodes[0]; ++i)
+        for (int t = 0; t < tiling_.across; ++t) {
+          const std::uint64_t first_node = field * grid.node_count() + grid.index(i, t * Tiling::rows, 0);
           begin_[stretch(field, i, t)] =
               std::lower_bound(points.cell, points.cell + points.count, first_node) - points.cell;
         }
@@ -89,7 +82,7 @@ class Tiles {
   void renew_spans() {
     for (int t = 0; t < count(); ++t) {
       Span all;
-      for_each_neighbour(t, [&](int u) { all.cover(tiles_[u].touched); });
+      tiling_.for_each_neighbour(t, [&](int u) { all.cover(tiles_[u].touched); });
       tiles_[t].stale.cover(tiles_[t].active);
       tiles_[t].active = all;
     }
@@ -119,13 +112,13 @@ class Tiles {
       if (start || (tiles_[t].rests && !tiles_[t].sleeps)) tiles_[t].rests = rests(t);
     for (int t = 0; t < count(); ++t) {
       bool all = true;
-      for_each_neighbour(t, [&](int u) { all = all && tiles_[u].rests; });
+      tiling_.for_each_neighbour(t, [&](int u) { all = all && tiles_[u].rests; });
       changed = changed || tiles_[t].sleeps != all;
       tiles_[t].sleeps = all;
     }
     for (int t = 0; t < count(); ++t) {
       bool all = true;
-      for_each_neighbour(t, [&](int u) { all = all && tiles_[u].sleeps; });
+      tiling_.for_each_neighbour(t, [&](int u) { all = all && tiles_[u].sleeps; });
       tiles_[t].idles = all;
     }
     return changed;
@@ -184,7 +177,7 @@ class Tiles {
       if (span.begin >= span.end) continue;  // empty
       for (std::size_t field = 0; field < grid.field_count; ++field) {
         const std::size_t first = field * grid.node_count();
-        for_each_row(t, [&](int i, int j) {
+        tiling_.for_each_row(t, [&](int i, int j) {
           f(t, first + grid.index(i, j, span.begin), first + grid.index(i, j, span.end));
         });
       }
@@ -213,23 +206,8 @@ class Tiles {
     for (int colour = 0; colour < 4; ++colour) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
       for (int t = 0; t < count(); ++t)
-        if ((all || !sleeps(t)) && t / across_ % 2 * 2 + t % across_ % 2 == colour) f(t);
+        if ((all || !sleeps(t)) && tiling_.colour(t) == colour) f(t);
     }
-  }
-
-  // f(plane, row) for each of a tile.
-  template <class F>
-  void for_each_row(int t, F&& f) const {
-    const int plane = t / across_ * planes, row = t % across_ * rows;
-    for (int i = plane; i < std::min(plane + planes, nodes_[0]); ++i)
-      for (int j = row; j < std::min(row + rows, nodes_[1]); ++j) f(i, j);
-  }
-  // f(tile) for the tile and those around it.
-  template <class F>
-  void for_each_neighbour(int t, F&& f) const {
-    const int a = t / across_, b = t % across_;
-    for (int i = std::max(a - 1, 0); i <= std::min(a + 1, along_ - 1); ++i)
-      for (int j = std::max(b - 1, 0); j <= std::min(b + 1, across_ - 1); ++j) f(i * across_ + j);
   }
 
   template <class T>
@@ -238,10 +216,9 @@ class Tiles {
     tile.clear();
     tile.astray = false;
     // The points of a tile are consecutive plane by plane, field by field.
-    const int first_plane = t / across_ * planes, end_plane = std::min(first_plane + planes, nodes_[0]);
     for (std::size_t field = 0; field < grid.field_count; ++field)
-      for (int i = first_plane; i < end_plane; ++i) {
-        const std::size_t at = stretch(field, i, t % across_);
+      for (int i = tiling_.first_plane(t); i < tiling_.end_plane(t); ++i) {
+        const std::size_t at = stretch(field, i, t % tiling_.across);
         add_blocks(points, grid, tile, begin_[at], begin_[at + 1]);
       }
     tile.link(0, 0);
@@ -278,11 +255,8 @@ class Tiles {
   }
   // Whether the points of a block are within a plane and a row of tile t.
   bool within_reach(int t, const Block& block) const {
-    const int plane = t / across_ * planes, row = t % across_ * rows;
-    return std::all_of(block.runs, block.runs + block.run_count, [&](const Run& run) {
-      return run.base[0] >= plane - 1 && run.base[0] <= plane + planes && run.base[1] >= row - 1 &&
-             run.base[1] <= row + rows;
-    });
+    return std::all_of(block.runs, block.runs + block.run_count,
+                       [&](const Run& run) { return tiling_.reaches(t, run.base[0], run.base[1]); });
   }
   void find_touched(Tile& tile, int support) const {
     tile.touched = {};
@@ -290,15 +264,14 @@ class Tiles {
     for (const Run& run : tile.runs) tile.touched.cover({run.base[2], run.base[2] + support});
     // The image behind a mirror lies two nodes from the farthest node that it shows.
     tile.touched.begin = std::max(tile.touched.begin - 2, 0);
-    tile.touched.end = std::min(tile.touched.end + 2, nodes_[2]);
+    tile.touched.end = std::min(tile.touched.end + 2, tiling_.nodes[2]);
   }
   // Where begin_ has the points of a field, a plane and a tile along y.
   std::size_t stretch(std::size_t field, int plane, int t) const {
-    return (field * nodes_[0] + plane) * across_ + t;
+    return (field * tiling_.nodes[0] + plane) * tiling_.across + t;
   }
 
-  int along_ = 1, across_ = 1;
-  std::array<int, 3> nodes_{};
+  Tiling tiling_;
   std::vector<Tile> tiles_;
   std::vector<std::size_t> begin_;  // see stretch
 };

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "../update.hpp"
+#include "../transfer.hpp"
 
 namespace pockmark::plain {
 
