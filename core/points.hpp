@@ -134,9 +134,12 @@ struct PointStore {
   template <class F>
   void for_each_part(F&& f) {
     for (const FieldInfo& info : field_table)
-      for (int c = 0; c < info.components; ++c)
-        f("points." + std::string(info.name) + (info.components > 1 ? "." + std::to_string(c) : ""),
-          components[first_component(info.field) + c]);
+      for (int c = 0; c < info.components; ++c) {
+        std::string name = "points.";
+        name += info.name;
+        if (info.components > 1) name += std::string(1, '.') + char('0' + c);
+        f(name, components[first_component(info.field) + c]);
+      }
     f("points.body", body);
     f("points.id", id);
     f("points.cell", cell);

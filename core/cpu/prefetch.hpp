@@ -31,7 +31,6 @@ struct Prefetch {
   }
   template <class T>
   PM_HD static void ask_for(const Points<T>& points, std::size_t p, Field field) {
-#pragma GCC unroll 6
     for (int c = first_component(field); c < field_offsets[std::size_t(field) + 1]; ++c)
       __builtin_prefetch(points.components[c] + p + ahead, 1, 2);
   }
