@@ -200,6 +200,16 @@ struct RunPack<Lanes<float>> {
   using type = Lanes<float, 32>;
 };
 
+inline constexpr bool has_lanes = true;
+template <class T>
+using WidestPack = Lanes<T>;
+
+#else
+
+inline constexpr bool has_lanes = false;
+template <class T>
+using WidestPack = T;
+
 #endif
 
 }  // namespace pockmark
