@@ -8,7 +8,7 @@
 namespace pockmark {
 
 // Consecutive points of a block whose stencil starts at the same node.
-struct Run {
+struct Bundle {
   std::uint32_t begin, end;
   std::uint32_t node;
   int base[3];
@@ -19,13 +19,13 @@ struct Block {
   static constexpr std::size_t most = 48;
   std::size_t begin, end;
   bool one_body;
-  int run_count;
-  const Run* runs;
+  int bundle_count;
+  const Bundle* bundles;
 };
 
 template <class F>
-PM_HD void for_each_run(const Block& block, F&& f) {
-  for (int r = 0; r < block.run_count; ++r) f(block.runs[r]);
+PM_HD void for_each_bundle(const Block& block, F&& f) {
+  for (int r = 0; r < block.bundle_count; ++r) f(block.bundles[r]);
 }
 
 // f(first point, number of points) for each pack.

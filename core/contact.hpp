@@ -37,13 +37,13 @@ PM_HD Vec3<T> unit(const Vec3<T>& a) {
   return length > T(0) ? (T(1) / length) * a : Vec3<T>{};
 }
 
-// Adds to the nodes, for each point of a run, its volume times the slope of their shape function (m^2 times
-// the cell) and, as the fourth number, times the function.
+// Adds to the nodes, for each point of a bundle, its volume times the slope of their shape function (m^2
+// times the cell) and, as the fourth number, times the function.
 template <class Shape, class T, class Volume>
-void add_surface(const Points<T>& points, const GridGeometry<T>& grid, const Run& run, Surface<T> surface,
-                 Volume&& volume) {
+void add_surface(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
+                 Surface<T> surface, Volume&& volume) {
   Patch<Shape, T> patch;
-  for (std::size_t p = run.begin; p < run.end; ++p) {
+  for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), T(1));
     const auto &w = n.w, &g = n.g;
     const T v = T(volume(p));
@@ -53,7 +53,7 @@ void add_surface(const Points<T>& points, const GridGeometry<T>& grid, const Run
                           w[0][i] * w[1][j] * g[2][k], n.weight(i, j, k)}});
     });
   }
-  patch.add_to(grid, run, surface);
+  patch.add_to(grid, bundle, surface);
 }
 
 // The first body's outward normal (18), from what add_surface() found of each. The second body's surface
@@ -77,18 +77,18 @@ PM_HD Vec3<T> contact_impulse(const Vec3<T>& relative, T first_mass, T second_ma
   return reduced_mass * (stop * normal + (speed > most ? most / speed : T(1)) * sliding);
 }
 
-// Extends the reach of a run's body at the nodes where it meets another (19). `at(node)` is the meeting at a
-// node of the first field or null; `volume(p)` of a point in m^3.
+// Extends the reach of a bundle's body at the nodes where it meets another (19). `at(node)` is the meeting at
+// a node of the first field or null; `volume(p)` of a point in m^3.
 template <class Shape, class T, class At, class Volume>
-void add_reach(const Points<T>& points, const GridGeometry<T>& grid, const Run& run, At&& at,
+void add_reach(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, At&& at,
                Volume&& volume) {
-  const std::size_t field = grid.field_of(run.node);
+  const std::size_t field = grid.field_of(bundle.node);
   const int side = field == 0 ? 0 : 1;
   const T along = side == 0 ? grid.cell : -grid.cell;
   Patch<Shape, T>::for_each([&](int i, int j, int k) {
-    Meeting<T>* meeting = at(run.node - field + grid.index(i, j, k));
+    Meeting<T>* meeting = at(bundle.node - field + grid.index(i, j, k));
     if (!meeting) return;
-    for (std::size_t p = run.begin; p < run.end; ++p) {
+    for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
       const Vec3<T> beyond = points.vector(Field::place, p) - Vec3<T>{T(i), T(j), T(k)};
       const T reach = along * dot(beyond, meeting->normal) + T(0.5) * std::cbrt(volume(p));
       meeting->reach[side] = max(meeting->reach[side], reach);

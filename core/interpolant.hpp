@@ -19,8 +19,8 @@ struct Patch {
         for (int k = 0; k < S; ++k) f(i, j, k);
   }
   template <Nodal quantity>
-  PM_HD void load(const GridGeometry<T>& grid, const Run& run, NodeField<T, quantity> nodes) {
-    const Quad<T>* first = nodes.data + run.node;
+  PM_HD void load(const GridGeometry<T>& grid, const Bundle& bundle, NodeField<T, quantity> nodes) {
+    const Quad<T>* first = nodes.data + bundle.node;
     for_each([&](int i, int j, int k) { at[i][j][k] = first[grid.index(i, j, k)]; });
   }
   PM_HD void scale(T factor) {
@@ -30,8 +30,8 @@ struct Patch {
     for_each([&](int i, int j, int k) { at[i][j][k].v -= other.at[i][j][k].v; });
   }
   template <Nodal quantity>
-  PM_HD void add_to(const GridGeometry<T>& grid, const Run& run, NodeField<T, quantity> nodes) const {
-    Quad<T>* first = nodes.data + run.node;
+  PM_HD void add_to(const GridGeometry<T>& grid, const Bundle& bundle, NodeField<T, quantity> nodes) const {
+    Quad<T>* first = nodes.data + bundle.node;
     for_each([&](int i, int j, int k) { first[grid.index(i, j, k)] += at[i][j][k]; });
   }
 };

@@ -193,10 +193,10 @@ struct Pack<Lanes<T, bytes>> {
 #endif
 };
 
-// A pack for the points of a run. It seldom has more than eight points, which fill half of the widest pack of
-// floats.
+// A pack for the points of a bundle. It seldom has more than eight points, which fill half of the widest pack
+// of floats.
 template <>
-struct RunPack<Lanes<float>> {
+struct BundlePack<Lanes<float>> {
   using type = Lanes<float, 32>;
 };
 

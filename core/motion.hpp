@@ -14,15 +14,16 @@ template <class Shape, class V, class Hints, class T = number_t<V>>
 double update_velocities(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                          Velocity<T> before, Velocity<T> after, T pic) {
   Columns<T, 3> change, now;
-  gather_values<Shape, V>(points, block, change, [&](Patch<Shape, T>& patch, const Run& run) {
+  gather_values<Shape, V>(points, block, change, [&](Patch<Shape, T>& patch, const Bundle& bundle) {
     Patch<Shape, T> old;
-    patch.load(grid, run, after);
-    old.load(grid, run, before);
+    patch.load(grid, bundle, after);
+    old.load(grid, bundle, before);
     patch.subtract(old);
   });
   if (pic > T(0))
-    gather_values<Shape, V>(points, block, now,
-                            [&](Patch<Shape, T>& patch, const Run& run) { patch.load(grid, run, after); });
+    gather_values<Shape, V>(points, block, now, [&](Patch<Shape, T>& patch, const Bundle& bundle) {
+      patch.load(grid, bundle, after);
+    });
   V taken = V(0);
   for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
     Hints::template before<Pass::velocity>(points, p);
@@ -104,8 +105,9 @@ bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Blo
                  T dt, Leave&& leave) {
   bool changed = false;
   Columns<T, 3> velocity;
-  gather_values<Shape, V>(points, block, velocity,
-                          [&](Patch<Shape, T>& patch, const Run& run) { patch.load(grid, run, after); });
+  gather_values<Shape, V>(points, block, velocity, [&](Patch<Shape, T>& patch, const Bundle& bundle) {
+    patch.load(grid, bundle, after);
+  });
   const T cells_per_speed = dt * grid.per_metre;
   const V low = V(T(Shape::offset)), high = V(T(Shape::offset) + T(1));
   const auto inside = [&](V f) PM_INLINE { return low <= f && f < high; };
@@ -118,13 +120,14 @@ bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Blo
   });
   if (Shape::offset == 0) return changed;
   // These functions reach beyond the faces: a point can leave the grid and keep its stencil.
-  for_each_run(block, [&](const Run& run) {
+  for_each_bundle(block, [&](const Bundle& bundle) {
     bool rim = false;
     for (int a = 0; a < 3; ++a)
-      rim = rim || run.base[a] < grid.pad || run.base[a] >= grid.pad + grid.cells[a] - 1;
+      rim = rim || bundle.base[a] < grid.pad || bundle.base[a] >= grid.pad + grid.cells[a] - 1;
     if (!rim) return;
-    for (std::size_t p = run.begin; p < run.end; ++p)
-      if (points.cell[p] == run.node && face_crossed(grid, run.base, points.vector(Field::place, p)) >= 0)
+    for (std::size_t p = bundle.begin; p < bundle.end; ++p)
+      if (points.cell[p] == bundle.node &&
+          face_crossed(grid, bundle.base, points.vector(Field::place, p)) >= 0)
         changed |= relocate<Shape>(points, grid, p, leave);
   });
   return changed;

@@ -39,11 +39,11 @@ using number_t = typename Pack<V>::Number;
 template <class V>
 using mask_t = typename Pack<V>::Mask;
 template <class V>
-struct RunPack {
+struct BundlePack {
   using type = V;
 };
 template <class V>
-using run_pack_t = typename RunPack<V>::type;
+using bundle_pack_t = typename BundlePack<V>::type;
 template <class V>
 PM_HD mask_t<V> first_lanes(int n) {
   return Pack<V>::first(n);

@@ -31,13 +31,13 @@ PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
 template <class Shape, class V, class Hints, class T>
 void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                    Velocity<T> velocity, T dt, StrainColumns<T>& out) {
-  for_each_run(block, [&](const Run& run) PM_INLINE {
+  for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
     Patch<Shape, T> patch;
-    patch.load(grid, run, velocity);
+    patch.load(grid, bundle, velocity);
     patch.scale(T(0.5) * dt * grid.per_metre);
     const Interpolant<Shape, T> displacement(patch);
-    using R = run_pack_t<V>;
-    for_each_pack<R>(run, [&](std::size_t p, int n) PM_INLINE {
+    using R = bundle_pack_t<V>;
+    for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
       Hints::template before<Pass::gradient>(points, p);
       R d[3][3];  // dt/2 d v_c / d x_a
       displacement.slopes(points.template vector<R>(Field::place, p, n), d);
@@ -49,15 +49,15 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
   });
 }
 
-// A nodal vector field at the points of a block; load(patch, run) fetches the nodes of a run.
+// A nodal vector field at the points of a block; load(patch, bundle) fetches the nodes of a bundle.
 template <class Shape, class V, class T, class Load>
 void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& out, Load&& load) {
-  for_each_run(block, [&](const Run& run) PM_INLINE {
+  for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
     Patch<Shape, T> patch;
-    load(patch, run);
+    load(patch, bundle);
     const Interpolant<Shape, T> field(patch);
-    using R = run_pack_t<V>;
-    for_each_pack<R>(run, [&](std::size_t p, int n) PM_INLINE {
+    using R = bundle_pack_t<V>;
+    for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
       const auto v = field.value(points.template vector<R>(Field::place, p, n));
       for (int c = 0; c < 3; ++c) out.store(c, p - block.begin, v[c]);
     });
@@ -66,10 +66,10 @@ void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& o
 
 // Momentum and mass of the points.
 template <class Shape, class T>
-void add_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Run& run,
+void add_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
                   Momentum<T> momentum) {
   Patch<Shape, T> patch;
-  for (std::size_t p = run.begin; p < run.end; ++p) {
+  for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);
     const T m = points.at(Field::mass)[p];
     const auto v = points.vector(Field::velocity, p);
@@ -81,7 +81,7 @@ void add_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Ru
         for (int k = 0; k < Shape::support; ++k) add_scaled(patch.at[i][j][k], n.w[2][k], line);
       }
   }
-  patch.add_to(grid, run, momentum);
+  patch.add_to(grid, bundle, momentum);
 }
 
 // What the points of a block push their nodes with: -V sigma (J), its six components in their columns.
@@ -97,9 +97,9 @@ PM_HD void store_push(Columns<T, 6>& push, std::size_t i, const PointState<V>& p
 // f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
 template <class Shape, class T>
 void add_internal_force(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
-                        const Columns<T, 6>& push, const Run& run, Force<T> force) {
+                        const Columns<T, 6>& push, const Bundle& bundle, Force<T> force) {
   Patch<Shape, T> sum;
-  for (std::size_t p = run.begin; p < run.end; ++p) {
+  for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);
     const auto s = [&](int c) { return push.load(c, p - block.begin); };
     const Quad<T> column[3] = {
@@ -116,7 +116,7 @@ void add_internal_force(const Points<T>& points, const GridGeometry<T>& grid, co
         }
       }
   }
-  sum.add_to(grid, run, force);
+  sum.add_to(grid, bundle, force);
 }
 
 }  // namespace pockmark

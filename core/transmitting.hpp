@@ -79,30 +79,31 @@ PM_HD T share_of_layer(T depth) {
 // layer of cells behind the face stands for the area V/h; projected onto the face it shares it among the
 // nodes there, so edges get a half and corners a quarter without special cases.
 template <class Shape, class T>
-void add_damping(const Points<T>& points, const GridGeometry<T>& grid, const Faces& faces, const Run& run,
-                 const Damper<T>* dampers, const AnchorageView& anchorage, Damping<T> damping) {
-  Quad<T>* nodes = damping.data + grid.field_of(run.node);
+void add_damping(const Points<T>& points, const GridGeometry<T>& grid, const Faces& faces,
+                 const Bundle& bundle, const Damper<T>* dampers, const AnchorageView& anchorage,
+                 Damping<T> damping) {
+  Quad<T>* nodes = damping.data + grid.field_of(bundle.node);
   bool near = false;
   for (int a = 0; a < 3; ++a)
-    near = near || run.base[a] <= grid.pad + 1 || run.base[a] >= grid.pad + grid.cells[a] - 3;
+    near = near || bundle.base[a] <= grid.pad + 1 || bundle.base[a] >= grid.pad + grid.cells[a] - 3;
   if (!near) return;
   for (int face = 0; face < 6; ++face) {
     const int axis = face / 2;
     if (faces[face] != Face::transmitting) continue;
     const int layer = face % 2 ? grid.pad + grid.cells[axis] - 1 : grid.pad;
-    if (run.base[axis] < layer - 2 || run.base[axis] > layer + 1)
-      continue;  // no point of this run reaches the layer
-    for (std::size_t p = run.begin; p < run.end; ++p) {
+    if (bundle.base[axis] < layer - 2 || bundle.base[axis] > layer + 1)
+      continue;  // no point of this bundle reaches the layer
+    for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
       Vec3<T> f = points.vector(Field::place, p);
       if (anchorage.flies[points.body[p]]) continue;
-      const T depth = std::abs(T(run.base[axis] - (layer + face % 2)) + f[axis]);
+      const T depth = std::abs(T(bundle.base[axis] - (layer + face % 2)) + f[axis]);
       const T share = share_of_layer(depth);
       if (!(share > T(0))) continue;
       int cell[3];
-      for (int a = 0; a < 3; ++a) cell[a] = a == axis ? layer : run.base[a] + int(std::floor(f[a]));
+      for (int a = 0; a < 3; ++a) cell[a] = a == axis ? layer : bundle.base[a] + int(std::floor(f[a]));
       if (!anchorage.note(grid, cell, axis)) continue;
       // Projected onto the face; the linear stencil of an upper face ends on it.
-      int base[3] = {run.base[0], run.base[1], run.base[2]};
+      int base[3] = {bundle.base[0], bundle.base[1], bundle.base[2]};
       base[axis] = Shape::support == 2 ? layer : layer + face % 2 - 1;
       f[axis] = T(layer + face % 2 - base[axis]);
       const Stencil<Shape, T> n(f, grid.per_metre);

@@ -1,5 +1,5 @@
 // From points to nodes with SIMD: trilinear functions touch eight nodes, four on each face of the cell across
-// x. A lane is a node; what the points of a run add stays in registers until the run ends. Other shape
+// x. A lane is a node; what the points of a bundle add stays in registers until the bundle ends. Other shape
 // functions add a node's four numbers at a time.
 #pragma once
 #include <cstring>
@@ -58,9 +58,9 @@ struct AxisWeights {
 
 // Four components at the eight nodes as these hold them: four components a node.
 template <class T, Nodal quantity>
-PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Run& run,
+PM_HD void add_to_nodes(const GridGeometry<T>& grid, const Bundle& bundle,
                         const Nodes<T> (&sum)[4][NodeLanes<T>::parts], NodeField<T, quantity> nodes) {
-  Quad<T>* const first = nodes.data + run.node;
+  Quad<T>* const first = nodes.data + bundle.node;
   for (int i = 0; i < 2; ++i) {
     Quad<T>* at[2] = {first + grid.index(i, 0, 0), first + grid.index(i, 1, 0)};
     if constexpr (NodeLanes<T>::parts == 2) {
@@ -100,7 +100,7 @@ PM_HD void spread(T f, const Nodes<T>& face, Nodes<T> (&out)[NodeLanes<T>::parts
 }
 
 template <class T>
-PM_HD void add_momentum_lanes(const Points<T>& points, const GridGeometry<T>& grid, const Run& run,
+PM_HD void add_momentum_lanes(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
                               Momentum<T> momentum) {
   const auto y = AxisWeights<T>::slow(), z = AxisWeights<T>::fast();
   const T* mass = points.at(Field::mass);
@@ -110,8 +110,8 @@ PM_HD void add_momentum_lanes(const Points<T>& points, const GridGeometry<T>& gr
           *vz = points.at(Field::velocity, 2);
   constexpr int parts = NodeLanes<T>::parts;
   Nodes<T> sum[4][parts]{}, weight[parts];
-  std::size_t p = run.begin;
-  do {  // a run is never empty
+  std::size_t p = bundle.begin;
+  do {  // a bundle is never empty
     spread(fx[p], mass[p] * (y(fy[p]) * z(fz[p])), weight);
     for (int i = 0; i < parts; ++i) {
       sum[0][i] += vx[p] * weight[i];
@@ -119,8 +119,8 @@ PM_HD void add_momentum_lanes(const Points<T>& points, const GridGeometry<T>& gr
       sum[2][i] += vz[p] * weight[i];
       sum[3][i] += weight[i];
     }
-  } while (++p < run.end);
-  add_to_nodes(grid, run, sum, momentum);
+  } while (++p < bundle.end);
+  add_to_nodes(grid, bundle, sum, momentum);
 }
 
 // The slopes along x, y and z of what the faces across them carry; of a node's two faces across an axis the
@@ -143,12 +143,12 @@ PM_HD void add_slopes(const Nodes<T>& by_x, const Nodes<T>& by_y, const Nodes<T>
 
 template <class T>
 PM_HD void add_internal_force_lanes(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
-                                    const Columns<T, 6>& push, const Run& run, Force<T> force) {
+                                    const Columns<T, 6>& push, const Bundle& bundle, Force<T> force) {
   const auto slow = AxisWeights<T>::slow(), fast = AxisWeights<T>::fast();
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
           *fz = points.at(Field::place, 2);
   Nodes<T> by_x[3]{}, by_y[3]{}, by_z[3]{};  // sums of the stress, shared out over a face across each axis
-  std::size_t p = run.begin;
+  std::size_t p = bundle.begin;
   do {
     const auto s = [&](int c) { return push.load(c, p - block.begin); };
     const auto x = slow(fx[p]), z = fast(fz[p]);
@@ -162,13 +162,13 @@ PM_HD void add_internal_force_lanes(const Points<T>& points, const GridGeometry<
     by_z[0] += s(5) * xy;
     by_z[1] += s(4) * xy;
     by_z[2] += s(2) * xy;
-  } while (++p < run.end);
+  } while (++p < bundle.end);
   Nodes<T> sum[4][NodeLanes<T>::parts]{};
   for (int c = 0; c < 3; ++c) {
     add_slopes<T>(by_x[c], by_y[c], by_z[c], sum[c]);
     for (auto& part : sum[c]) part *= grid.per_metre;
   }
-  add_to_nodes(grid, run, sum, force);
+  add_to_nodes(grid, bundle, sum, force);
 }
 
 #endif
@@ -177,23 +177,23 @@ PM_HD void add_internal_force_lanes(const Points<T>& points, const GridGeometry<
 template <class Shape, class V, class T = number_t<V>>
 void scatter_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                       Momentum<T> momentum) {
-  for_each_run(block, [&](const Run& run) PM_INLINE {
+  for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-      return add_momentum_lanes(points, grid, run, momentum);
+      return add_momentum_lanes(points, grid, bundle, momentum);
 #endif
-    add_momentum<Shape>(points, grid, run, momentum);
+    add_momentum<Shape>(points, grid, bundle, momentum);
   });
 }
 template <class Shape, class V, class T = number_t<V>>
 void scatter_force(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                    const Columns<T, 6>& push, Force<T> force) {
-  for_each_run(block, [&](const Run& run) PM_INLINE {
+  for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-      return add_internal_force_lanes(points, grid, block, push, run, force);
+      return add_internal_force_lanes(points, grid, block, push, bundle, force);
 #endif
-    add_internal_force<Shape>(points, grid, block, push, run, force);
+    add_internal_force<Shape>(points, grid, block, push, bundle, force);
   });
 }
 

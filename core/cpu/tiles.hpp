@@ -1,4 +1,4 @@
-// How the CPU walks points and nodes: the blocks and runs of points in each tile of the grid (tiling.hpp),
+// How the CPU walks points and nodes: the blocks and bundles of points in each tile of the grid (tiling.hpp),
 // and the threads that work on them.
 #pragma once
 #include <algorithm>
@@ -29,7 +29,7 @@ class Tiles {
   }
   int count() const { return int(tiles_.size()); }
 
-  // The order of the points as a checkpoint keeps it: the blocks, tile by tile, and which tiles rest. Runs
+  // The order of the points as a checkpoint keeps it: the blocks, tile by tile, and which tiles rest. Bundles
   // follow from the cells of the points. A sum of points depends on it.
   struct Order {
     std::vector<std::uint32_t> blocks;  // of each tile, how many
@@ -72,7 +72,7 @@ class Tiles {
     renew_spans();
   }
 
-  // Splits the points of every tile into blocks and runs. Points that are gone are in none.
+  // Splits the points of every tile into blocks and bundles. Points that are gone are in none.
   template <class T>
   void split(const Points<T>& points, const GridGeometry<T>& grid, int support, int threads) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
@@ -91,9 +91,9 @@ class Tiles {
     for (auto& tile : tiles_)
       if (!tile.idles) tile.stale = {};
   }
-  std::size_t run_count() const {
+  std::size_t bundle_count() const {
     std::size_t sum = 0;
-    for (const auto& tile : tiles_) sum += tile.runs.size();
+    for (const auto& tile : tiles_) sum += tile.bundles.size();
     return sum;
   }
 
@@ -232,7 +232,7 @@ class Tiles {
     Tile& tile = tiles_[t];
     bool changed = false;
     for (const Block& old : tile.blocks) {
-      const std::size_t first_block = fresh.blocks.size(), first_run = fresh.runs.size();
+      const std::size_t first_block = fresh.blocks.size(), first_bundle = fresh.bundles.size();
       if (!moved(t, old)) {
         fresh.add(old);
         then(t, old);
@@ -240,7 +240,7 @@ class Tiles {
       }
       changed = true;
       add_blocks(points, grid, fresh, old.begin, old.end);
-      fresh.link(first_block, first_run);
+      fresh.link(first_block, first_bundle);
       for (std::size_t b = first_block; b < fresh.blocks.size(); ++b) {
         if (within_reach(t, fresh.blocks[b]))
           then(t, fresh.blocks[b]);
@@ -255,13 +255,14 @@ class Tiles {
   }
   // Whether the points of a block are within a plane and a row of tile t.
   bool within_reach(int t, const Block& block) const {
-    return std::all_of(block.runs, block.runs + block.run_count,
-                       [&](const Run& run) { return tiling_.reaches(t, run.base[0], run.base[1]); });
+    return std::all_of(block.bundles, block.bundles + block.bundle_count, [&](const Bundle& bundle) {
+      return tiling_.reaches(t, bundle.base[0], bundle.base[1]);
+    });
   }
   void find_touched(Tile& tile, int support) const {
     tile.touched = {};
-    if (tile.runs.empty()) return;
-    for (const Run& run : tile.runs) tile.touched.cover({run.base[2], run.base[2] + support});
+    if (tile.bundles.empty()) return;
+    for (const Bundle& bundle : tile.bundles) tile.touched.cover({bundle.base[2], bundle.base[2] + support});
     // The image behind a mirror lies two nodes from the farthest node that it shows.
     tile.touched.begin = std::max(tile.touched.begin - 2, 0);
     tile.touched.end = std::min(tile.touched.end + 2, tiling_.nodes[2]);

@@ -34,9 +34,9 @@ class Contact {
     const std::size_t count = meetings_.size();
     if (Shape::support > 2) add_images(model.grid);
     driver.scatter([&](int, const Block& block) {
-      for_each_run(block, [&](const Run& run) {
+      for_each_bundle(block, [&](const Bundle& bundle) {
         add_reach<Shape>(
-            driver.points(), model.grid, run, [&](std::size_t node) { return at(node); }, volume);
+            driver.points(), model.grid, bundle, [&](std::size_t node) { return at(node); }, volume);
       });
     });
     take_back_images(count);
@@ -101,8 +101,8 @@ class Contact {
   template <class Shape>
   bool meets(const GridGeometry<T>& grid, const Block& block) const {
     bool any = false;
-    for_each_run(block, [&](const Run& run) {
-      const std::size_t node = run.node - grid.field_of(run.node);
+    for_each_bundle(block, [&](const Bundle& bundle) {
+      const std::size_t node = bundle.node - grid.field_of(bundle.node);
       Patch<Shape, T>::for_each(
           [&](int i, int j, int k) { any = any || slot_[node + grid.index(i, j, k)] != none; });
     });
@@ -114,8 +114,9 @@ class Contact {
   void orient(const GridGeometry<T>& grid, const Driver& driver, Surface<T> surface, Volume&& volume) {
     driver.scatter([&](int, const Block& block) {
       if (!meets<Shape>(grid, block)) return;
-      for_each_run(block,
-                   [&](const Run& run) { add_surface<Shape>(driver.points(), grid, run, surface, volume); });
+      for_each_bundle(block, [&](const Bundle& bundle) {
+        add_surface<Shape>(driver.points(), grid, bundle, surface, volume);
+      });
     });
     driver.exchange(surface);
     fold(driver, grid, mirrors_, surface, Mirrored::vector);

@@ -25,8 +25,8 @@ class TransmittingFaces {
     std::fill_n(damping.data, grid.field_count * grid.node_count(), Quad<T>{});
     const auto view = anchorage_.view();
     driver.scatter_all([&](int, const Block& block) {
-      for_each_run(block, [&](const Run& run) {
-        add_damping<Shape>(driver.points(), grid, model.faces, run, model.dampers.data(), view, damping);
+      for_each_bundle(block, [&](const Bundle& bundle) {
+        add_damping<Shape>(driver.points(), grid, model.faces, bundle, model.dampers.data(), view, damping);
       });
     });
     driver.exchange(damping);

@@ -74,11 +74,11 @@ class Driver {
 
   template <class Shape>
   void add_momentum(const Block& block, Momentum<T> momentum) const {
-    pockmark::add_momentum<Shape>(points_, grid_, block.runs[0], momentum);
+    pockmark::add_momentum<Shape>(points_, grid_, block.bundles[0], momentum);
   }
   template <class Shape>
   void add_force(const Block& block, const Columns<T, 6>& push, Force<T> force) const {
-    add_internal_force<Shape>(points_, grid_, block, push, block.runs[0], force);
+    add_internal_force<Shape>(points_, grid_, block, push, block.bundles[0], force);
   }
 
   void forget_stale() {}
@@ -103,9 +103,9 @@ class Driver {
   template <class F>
   void with_block(std::size_t p, F&& f) const {
     if (points_.cell[p] == gone) return;
-    Run run{std::uint32_t(p), std::uint32_t(p + 1), points_.cell[p], {}};
-    grid_.split(run.node, run.base);
-    f(0, Block{p, p + 1, true, 1, &run});
+    Bundle bundle{std::uint32_t(p), std::uint32_t(p + 1), points_.cell[p], {}};
+    grid_.split(bundle.node, bundle.base);
+    f(0, Block{p, p + 1, true, 1, &bundle});
   }
 
   GridGeometry<T> grid_;
