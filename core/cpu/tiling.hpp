@@ -11,10 +11,10 @@
 //    0 +-----+-----+-----+
 //      0     4     8    12     x (planes)
 //
-// A tile writes to the planes -1 .. 6 and the rows -1 .. 10 of its own first ones: its points may have
-// strayed by one since they were sorted, and a stencil adds two nodes after the first. So neighbours share
-// nodes, but two tiles with one between them never do: four planes lie between them, and no more than three
-// and one are written to. No write needs an atomic operation, and no sum depends on the number of threads.
+// The tile whose first plane and row are 0 writes to the planes -1 .. 6 and the rows -1 .. 10: its points may
+// have strayed by one since they were sorted, and a stencil adds two nodes after its first. So neighbours
+// share nodes. Two tiles of one colour do not: the next one begins at plane 8 or row 16, and writes from 7 or
+// 15 on. No write needs an atomic operation, and no sum depends on the number of threads.
 #pragma once
 #include <algorithm>
 #include <array>
