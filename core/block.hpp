@@ -7,7 +7,7 @@
 
 namespace pockmark {
 
-// Consecutive points of a block whose stencil starts at the same node.
+// Consecutive points of a block whose stencils start at the same node.
 struct Bundle {
   std::uint32_t begin, end;
   std::uint32_t node;
@@ -28,7 +28,7 @@ PM_HD void for_each_bundle(const Block& block, F&& f) {
   for (int r = 0; r < block.bundle_count; ++r) f(block.bundles[r]);
 }
 
-// f(first point, number of points) for each pack.
+// Calls f(first point, number of points) for each pack of a block, a bundle or another range.
 template <class V, class Range, class F>
 PM_HD void for_each_pack(const Range& range, F&& f) {
   constexpr std::size_t width = Pack<V>::width;
@@ -46,8 +46,8 @@ struct NoHints {
   PM_HD static void before(const Points<T>&, std::size_t) {}
 };
 
-// Columns of numbers of the points of a block. Packs may write past their points' end: what follows is
-// written later, or is spare.
+// Columns of numbers, a place in each for every point of a block. A pack may write past the last of its
+// points: the places there are written later, or are spare.
 template <class T, int count>
 struct Columns {
   alignas(64) T at[count][Block::most + 16];

@@ -10,7 +10,7 @@ namespace pockmark {
 enum class Face { free, symmetry, fixed, transmitting };
 using Faces = std::array<Face, 6>;  // x_lower, x_upper, y_lower, y_upper, z_lower, z_upper
 
-// A node on a face, the one inside of it and the one outside, the padding of the grid included.
+// A node on a face, its neighbour inside of the face, and the one outside, in the padding of the grid.
 struct FaceNode {
   std::size_t on, inside, outside;
 };
@@ -38,13 +38,15 @@ void for_each_face_node(const Driver& driver, const GridGeometry<T>& grid, int f
                          [&, field](int ib, int ic) { f(face_node(grid, face, field, ib, ic)); });
 }
 
-// A symmetry plane is a mirror, a fixed face one that also turns the tangential velocity round (so that it
-// vanishes on the face): what stencils put on the nodes behind them belongs to their images.
+// A symmetry plane is a mirror. So is a fixed face, one that also turns the tangential velocity round, so
+// that it vanishes on the face. What stencils put on the nodes behind a mirror belongs to the images of these
+// nodes.
 inline bool is_mirror(Face face) { return face == Face::symmetry || face == Face::fixed; }
 inline int mirror_sign(Face face, int face_axis, int component) {
   return face == Face::fixed || component == face_axis ? -1 : 1;
 }
 
+// What a mirror does to the components of a sum: it turns those of a vector, magnitudes stay.
 enum class Mirrored { vector, magnitudes };
 
 // Adds what the nodes behind a mirror have to their images. Nothing stays behind it.

@@ -18,16 +18,16 @@ struct Meeting {
   // How far (m) each body reaches beyond the node: the first along the normal, the second against it.
   T reach[2] = {std::numeric_limits<T>::lowest() / 4, std::numeric_limits<T>::lowest() / 4};
   T closing{};   // approach (m/s) that closes the gap between them by the end of the step (19)
-  T approach{};  // of the velocities that the points bring along
-  // Impulses of the first body on the second (kg m/s): what the points feel, and twice the mean of what makes
-  // the nodal velocities that strain and move them compatible (20).
+  T approach{};  // (m/s) of the velocities that the points bring along
+  // Impulses of the first body on the second (kg m/s, (20)): the one that the points feel, and the sum of
+  // those two that take the approach out of the nodal velocities which strain and move them.
   Vec3<T> impulse{}, twice_fitted{};
 
-  // Judges contact by where the bodies will be. No sign of a gap decides anything: an impulse goes to zero
-  // with what it hinders.
+  // Sets the approach that just closes the gap by the end of the step. Contact stops only what exceeds it: an
+  // impulse grows from zero as bodies meet, and no sign of a gap switches contact on.
   PM_HD void allow_closing(T dt) { closing = max(-(reach[0] + reach[1]), T(0)) / dt; }
   PM_HD T beyond_closing(T now) const { return max(now - closing, T(0)); }
-  // The share of the step that is left once the gap has closed.
+  // Returns the share of the step that is left once the gap has closed.
   PM_HD T share_in_contact(T now) const { return T(1) - closing / max(now, max(approach, closing)); }
 };
 
@@ -56,9 +56,9 @@ void add_surface(const Points<T>& points, const GridGeometry<T>& grid, const Bun
   patch.add_to(grid, bundle, surface);
 }
 
-// The first body's outward normal (18), from what add_surface() found of each. The second body's surface
-// helps where a node lies within the first: there the first's own gradient is the small difference of what
-// lies on both sides, and may point the wrong way.
+// Returns the first body's outward normal (18), from what add_surface() found of each body. The second body's
+// surface helps where a node lies within the first: there the first's own gradient is the small difference of
+// what lies on both sides, and may point the wrong way.
 template <class T>
 PM_HD Vec3<T> contact_normal(const Quad<T>& first, const Quad<T>& second) {
   const Vec3<T> own = first.vector();

@@ -6,7 +6,7 @@
 
 namespace pockmark {
 
-// The S^3 values of a nodal field under a stencil.
+// The values of a nodal array under a stencil: S^3 nodes.
 template <class Shape, class T>
 struct Patch {
   static constexpr int S = Shape::support;
@@ -36,7 +36,7 @@ struct Patch {
   }
 };
 
-// A nodal vector field as a function of the place within one stencil.
+// A nodal vector quantity as a function of the place within one stencil.
 template <class Shape, class T>
 class Interpolant {
  public:

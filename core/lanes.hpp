@@ -29,7 +29,7 @@ struct LaneVector {
   typedef T in_memory __attribute__((vector_size(bytes), aligned(alignof(T))));
 };
 
-// Masks are for packs of the full width.
+// Only packs of the full width have masks: a comparison of narrower ones does not compile.
 template <class T, int bytes = lane_bytes>
 struct Lanes {
   static constexpr int width = bytes / int(sizeof(T));
@@ -74,7 +74,7 @@ PM_HD __m512d blend(unsigned m, __m512d yes, __m512d no) {
 PM_HD __m512 blend(unsigned m, __m512 yes, __m512 no) { return _mm512_mask_blend_ps(__mmask16(m), no, yes); }
 PM_HD __m512d vector_root(__m512d x) { return _mm512_maskz_sqrt_pd(0xff, x); }
 PM_HD __m512 vector_root(__m512 x) { return _mm512_maskz_sqrt_ps(0xffff, x); }
-// The last argument says how wide.
+// The last argument says by its type how wide a pack is.
 PM_HD __m512d masked_load(unsigned m, const double* at, __m512d) {
   return _mm512_maskz_loadu_pd(__mmask8(m), at);
 }
@@ -193,13 +193,14 @@ struct Pack<Lanes<T, bytes>> {
 #endif
 };
 
-// A pack for the points of a bundle. It seldom has more than eight points, which fill half of the widest pack
-// of floats.
+// A pack for the points of a bundle. A bundle seldom has more than eight points, which fill half of the
+// widest pack of floats.
 template <>
 struct BundlePack<Lanes<float>> {
   using type = Lanes<float, 32>;
 };
 
+// The pack that the CPU's driver computes with.
 inline constexpr bool has_lanes = true;
 template <class T>
 using WidestPack = Lanes<T>;

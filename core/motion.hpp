@@ -38,8 +38,8 @@ double update_velocities(const Points<T>& points, const GridGeometry<T>& grid, c
   return sum_of(taken);
 }
 
-// The face behind which a point lies, or -1: `f` cells from its first node `base`. Not-a-number counts as
-// outside.
+// Returns the face behind which a point lies, or -1. It is `f` cells from `base`, the first node of its
+// stencil. Not-a-number counts as outside.
 template <class T>
 PM_HD int face_crossed(const GridGeometry<T>& grid, const int (&base)[3], const Vec3<T>& f) {
   for (int a = 0; a < 3; ++a) {
@@ -50,8 +50,8 @@ PM_HD int face_crossed(const GridGeometry<T>& grid, const int (&base)[3], const 
   return -1;
 }
 
-// Puts a point that has crossed a plane of symmetry where its image has come from: what leaves the half that
-// is computed enters it from the other. `base` and `f`: its place, as for face_crossed.
+// Gives a point that has crossed a plane of symmetry the place and the motion of its image: as much as leaves
+// the half that is computed enters it from the other half. `base` and `f` are as for face_crossed().
 template <class Shape, class T>
 PM_HD void reflect(const Points<T>& points, const GridGeometry<T>& grid, std::size_t p, int (&base)[3],
                    Vec3<T>& f) {
@@ -133,7 +133,7 @@ bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Blo
   return changed;
 }
 
-// Whether a step without motion would leave the points of a block as they are.
+// Returns whether a step in which no node moves would leave the points of a block as they are.
 template <class T>
 PM_HD bool rests(const Points<T>& points, const Block& block) {
   for (std::size_t p = block.begin; p < block.end; ++p) {

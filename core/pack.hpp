@@ -22,7 +22,7 @@ PM_HD float root(float x) { return std::sqrt(x); }
 PM_HD double raw(double x) { return x; }
 PM_HD float raw(float x) { return x; }
 
-// What is to be known of a V, and how it meets memory; `n` lanes of it, the rest neither read nor written.
+// What is to be known of a V, and how it meets memory. With `n` only the first n lanes are read or written.
 template <class V>
 struct Pack {
   using Number = V;
@@ -61,7 +61,7 @@ template <class V>
 PM_HD V absolute(V a) {
   return max(a, -a);
 }
-// Sum and largest of all lanes, in double.
+// Return the sum and the largest of all lanes, in double.
 template <class V>
 PM_HD double sum_of(V v) {
   number_t<V> at[Pack<V>::width];

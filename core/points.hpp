@@ -49,7 +49,7 @@ struct Points {
 
   PM_HD T* at(Field field, int component = 0) const { return components[first_component(field) + component]; }
 
-  // Of point p, or of the n points from p on in the lanes of V.
+  // Return a field of point p, or of the n points from p on in the lanes of V.
   template <class V = T>
   PM_HD V load(Field field, std::size_t p, int n = Pack<V>::width, int component = 0) const {
     return Pack<V>::load(at(field, component) + p, n);
@@ -74,7 +74,7 @@ struct Points {
             load<V>(Field::plastic_strain, p, n), load<V>(Field::temperature, p, n),
             load<V>(Field::damage, p, n),         deviator<V>(p, n)};
   }
-  // What each stage of an update changes.
+  // Store what a stage of the stress update changes.
   template <class V>
   PM_HD void store_deviator(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) const {
     const V d[6] = {s.deviator.xx, s.deviator.yy, s.deviator.zz, s.deviator.xy, s.deviator.yz, s.deviator.zx};
@@ -108,7 +108,7 @@ struct Points {
   }
 };
 
-// The arrays of the points.
+// What owns the arrays of the points.
 template <class T>
 struct PointStore {
   std::array<Array<T>, component_count> components;
@@ -116,7 +116,7 @@ struct PointStore {
   std::vector<std::uint32_t> id, cell;
 
   std::size_t size() const { return body.size(); }
-  // f(array) for each of them.
+  // Calls f(array) for each of them.
   template <class F>
   void for_each_array(F&& f) {
     for (auto& component : components) f(component);
@@ -130,7 +130,8 @@ struct PointStore {
   void resize(std::size_t count) {
     for_each_array([&](auto& array) { array.resize(count); });
   }
-  // See Machine::for_each_part. Components are called by their field, with a number where it has several.
+  // See Machine::for_each_part. A component has the name of its field, with a number where the field has
+  // several.
   template <class F>
   void for_each_part(F&& f) {
     for (const FieldInfo& info : field_table)

@@ -5,8 +5,8 @@
 
 namespace pockmark {
 
-// f(range of points, material) over the points of a block, in order: one range, unless bodies meet in the
-// block.
+// Calls f(range of points, material) over the points of a block, in order: one range, unless bodies meet in
+// the block.
 template <class T, class F>
 PM_HD void for_each_material(const Points<T>& points, const Material<T>* materials, const Block& block,
                              F&& f) {
@@ -42,7 +42,8 @@ struct PackList {
   PM_HD void for_each(F&& f) const {
     for (int i = 0; i < count; ++i) f(entries[i].p, entries[i].n);
   }
-  // two(entry, entry), and one(first point, number of points) for a last one without a partner.
+  // Calls two(entry, entry) for packs in pairs, and one(first point, number of points) for a last one without
+  // a partner.
   template <class F, class G>
   PM_HD void for_each_two(F&& two, G&& one) const {
     int i = 0;
@@ -56,7 +57,8 @@ PM_HD V reference_volume(const Points<T>& points, const Material<T>& material, s
   return points.template load<V>(Field::mass, p, n) * material.specific_volume;
 }
 
-// The second stage: of the packs that may yield, those that do, with the increments of their plastic strain.
+// The second stage: takes packs back to the yield surface. Returns those of `may_yield` that do yield, and
+// leaves the increments of their plastic strain in `plastic`.
 template <class V, class T>
 PM_HD PackList return_to_yield(const Points<T>& points, const Block& block, const StressUpdate<V>& update,
                                const PackList& may_yield, Columns<T, 1>& plastic, Tally<V>& tally) {
@@ -84,7 +86,7 @@ PM_HD PackList return_to_yield(const Points<T>& points, const Block& block, cons
     take_back(first.p, first.n, a, trial.a, {increment.a, converged.a});
     take_back(second.p, second.n, b, trial.b, {increment.b, converged.b});
   };
-  // The reference takes its points one by one; packs go in pairs.
+  // The plain driver has its points one by one; packs go in pairs.
   if constexpr (Pack<V>::width == 1)
     may_yield.for_each(one);
   else
@@ -92,7 +94,8 @@ PM_HD PackList return_to_yield(const Points<T>& points, const Block& block, cons
   return yield;
 }
 
-// Stress, damage, heat (3) from the strain of the points, and what they then push their nodes with.
+// Updates stress, damage and heat (3) from the strain of the points. Leaves in `push` what they then push
+// their nodes with.
 template <class V, class Hints, class T = number_t<V>>
 void update_stress(const Points<T>& points, const Material<T>* materials, T cell, const Block& block,
                    const StrainColumns<T>& strains, const StressStep<T>& step, Audit& audit,
@@ -111,7 +114,8 @@ void update_stress(const Points<T>& points, const Material<T>* materials, T cell
       if (yields) may_yield.add(p, n);
     });
     const auto yield = return_to_yield(points, block, update, may_yield, plastic, tally);
-    // Those that the failure law looks at: where it needs no plastic flow, also others than those that yield.
+    // The packs that the failure law looks at. One that needs no plastic flow looks at more than those that
+    // yield.
     const bool without_flow = material.fails_without_flow();
     PackList loaded;
     int next = 0;
@@ -143,7 +147,7 @@ void update_stress(const Points<T>& points, const Material<T>* materials, T cell
   });
 }
 
-// What the points push their nodes with, where their stress stays as it is.
+// Finds what the points push their nodes with, where their stress stays as it is.
 template <class V, class T = number_t<V>>
 void push_of_stress(const Points<T>& points, const Material<T>* materials, const Block& block,
                     Columns<T, 6>& push) {
@@ -155,7 +159,7 @@ void push_of_stress(const Points<T>& points, const Material<T>* materials, const
   });
 }
 
-// Moves the stress of the points through a strain (see follow_strain).
+// Takes the stress of the points through a strain (see follow_strain).
 template <class V, class Hints, class T = number_t<V>>
 void strain_points(const Points<T>& points, const Material<T>* materials, const Block& block,
                    const StrainColumns<T>& strains) {

@@ -58,7 +58,7 @@ struct Quad {
   }
 };
 
-// a += f b, the one operation of every transfer.
+// Adds f b to a: the one operation of every transfer.
 template <class T>
 PM_HD void add_scaled(Quad<T>& a, T f, const Quad<T>& b) {
   a.v += f * b.v;
@@ -101,8 +101,8 @@ PM_HD T effective(const Sym3<T>& s) {
   return root(effective_squared(s));
 }
 
-// What a velocity gradient does to a point in a time dt, with what of it takes a division: done here, while
-// the next point's gradient is on its way, and not where stresses wait for it.
+// What a velocity gradient does to a point in a time dt. What takes a division is found here, while the next
+// point's gradient is on its way, and not where stresses would wait for it.
 template <class T>
 struct Strain {
   Sym3<T> small;      // D dt

@@ -27,7 +27,7 @@ PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
   return strain;
 }
 
-// How a nodal velocity strains the points of a block in a time dt.
+// Finds how a nodal velocity strains the points of a block in a time dt.
 template <class Shape, class V, class Hints, class T>
 void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                    Velocity<T> velocity, T dt, StrainColumns<T>& out) {
@@ -49,7 +49,7 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
   });
 }
 
-// A nodal vector field at the points of a block; load(patch, bundle) fetches the nodes of a bundle.
+// Finds a nodal vector quantity at the points of a block; load(patch, bundle) fetches the nodes of a bundle.
 template <class Shape, class V, class T, class Load>
 void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& out, Load&& load) {
   for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
@@ -64,7 +64,7 @@ void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& o
   });
 }
 
-// Momentum and mass of the points.
+// Adds momentum and mass of the points of a bundle to the nodes.
 template <class Shape, class T>
 void add_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
                   Momentum<T> momentum) {
@@ -84,7 +84,7 @@ void add_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Bu
   patch.add_to(grid, bundle, momentum);
 }
 
-// What the points of a block push their nodes with: -V sigma (J), its six components in their columns.
+// Stores what points push their nodes with: -V sigma (J / Model::mass_unit), a component a column.
 template <class V, class T>
 PM_HD void store_push(Columns<T, 6>& push, std::size_t i, const PointState<V>& point, V reference_volume,
                       int n) {
@@ -94,7 +94,7 @@ PM_HD void store_push(Columns<T, 6>& push, std::size_t i, const PointState<V>& p
   for (int c = 0; c < 6; ++c) push.store(c, i, volume * stress[c], n);
 }
 
-// f_I = -sum_p sigma_p grad N_I V_p (Liu et al. 2015, Eq. 11).
+// Adds the internal forces f_I = -sum_p sigma_p grad N_I V_p of a bundle (Liu et al. 2015, Eq. 11).
 template <class Shape, class T>
 void add_internal_force(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                         const Columns<T, 6>& push, const Bundle& bundle, Force<T> force) {

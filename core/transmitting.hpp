@@ -67,8 +67,8 @@ class Anchorage {
   std::vector<std::uint8_t> flies_, held_, filled_;
 };
 
-// The share of a point, `depth` cells behind a face, in the layer of one cell there. It ends on a short
-// slope, not on the last bit of a place.
+// Returns how much of a point, `depth` cells behind a face, counts in the layer of one cell there. The layer
+// ends on a short slope, so that no result depends on the last bit of a place.
 template <class T>
 PM_HD T share_of_layer(T depth) {
   constexpr T half_slope = T(1) / 16;
@@ -76,8 +76,8 @@ PM_HD T share_of_layer(T depth) {
 }
 
 // Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the
-// layer of cells behind the face stands for the area V/h; projected onto the face it shares it among the
-// nodes there, so edges get a half and corners a quarter without special cases.
+// layer of cells behind the face stands for the area V/h. It is projected onto the face and shares the area
+// among the nodes there, so edges get a half and corners a quarter without special cases.
 template <class Shape, class T>
 void add_damping(const Points<T>& points, const GridGeometry<T>& grid, const Faces& faces,
                  const Bundle& bundle, const Damper<T>* dampers, const AnchorageView& anchorage,

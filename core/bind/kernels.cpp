@@ -11,7 +11,7 @@ namespace pockmark::bind {
 // The stress update alone, as the step does it, of rows of states: volume, energy, pressure, viscosity,
 // plastic strain, temperature, damage, deviator (6). A row of gradients is D (6) and the axial vector of the
 // spin (3).
-struct StressProbe {
+struct StressByRows {
   static constexpr int in = 13, out = 14;
   static constexpr Field fields[7]{Field::dilation,  Field::energy,         Field::pressure,
                                    Field::viscosity, Field::plastic_strain, Field::temperature,
@@ -63,12 +63,12 @@ struct StressProbe {
 };
 
 // Returns the states after one update, and with each the sound speed.
-inline NumPy<double> probe_stress(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass,
-                                  double cell, double dt, bool lanes) {
-  const std::size_t n = states.size() / StressProbe::in;
+inline NumPy<double> stress_by_rows(const MaterialSpec& spec, Doubles states, Doubles gradients, double mass,
+                                    double cell, double dt, bool lanes) {
+  const std::size_t n = states.size() / StressByRows::in;
   if (gradients.size() != 9 * n) throw std::invalid_argument("gradients: nine numbers a state are needed");
-  const auto run = lanes ? &StressProbe::run<WidestPack<double>> : &StressProbe::run<double>;
-  return to_array(run(spec, states, gradients, mass, cell, dt), n, StressProbe::out);
+  const auto run = lanes ? &StressByRows::run<WidestPack<double>> : &StressByRows::run<double>;
+  return to_array(run(spec, states, gradients, mass, cell, dt), n, StressByRows::out);
 }
 
 template <class V>
@@ -110,7 +110,7 @@ inline NumPy<double> failure_at(const MaterialSpec& spec, Rows rows) {
 // A material is one of the core's of the same instruction set, which must be imported first.
 NB_MODULE(POCKMARK_MODULE, m) {
   using namespace pockmark::bind;
-  m.def("update_stress", &probe_stress, "material"_a, "states"_a, "gradients"_a, "mass"_a, "cell"_a, "dt"_a,
+  m.def("update_stress", &stress_by_rows, "material"_a, "states"_a, "gradients"_a, "mass"_a, "cell"_a, "dt"_a,
         "lanes"_a, "Return rows of states after one stress update, and the sound speed.");
   m.def("elementary", &elementary, "name"_a, "x"_a, "n"_a, "lanes"_a,
         "Return log x, a rough log x, exp x or x^n of each number.");

@@ -1,4 +1,4 @@
-// Points in blocks, and blocks in bundles: which the CPU makes anew where points change their cells.
+// Blocks of points and the bundles in them: the CPU makes them anew where points change their cells.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -19,7 +19,7 @@ struct Groups {
     bundles.insert(bundles.end(), block.bundles, block.bundles + block.bundle_count);
     blocks.push_back(block);
   }
-  // The bundles may have moved in memory.
+  // Points blocks at their bundles anew: these may have moved in memory.
   void link(std::size_t first_block, std::size_t first_bundle) {
     const Bundle* first = bundles.data() + first_bundle;
     for (std::size_t b = first_block; b < blocks.size(); ++b) {
@@ -54,7 +54,7 @@ std::size_t add_block(const Points<T>& points, const GridGeometry<T>& grid, Grou
   return block.end;
 }
 
-// Splits points into blocks.
+// Adds the blocks of the points from `begin` to before `end`.
 template <class T>
 void add_blocks(const Points<T>& points, const GridGeometry<T>& grid, Groups& groups, std::size_t begin,
                 std::size_t end) {

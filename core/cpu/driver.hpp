@@ -11,8 +11,8 @@
 
 namespace pockmark::cpu {
 
-// `V`: what the kernels compute with, a pack of numbers or a number. Its members are those of
-// core/driver.hpp.
+// Does what core/driver.hpp asks of a driver. `V` is what the kernels compute with: a pack of numbers, or a
+// number.
 template <class T, class V>
 class Driver {
  public:
@@ -38,7 +38,7 @@ class Driver {
     return {buffers_[buffer].data()};
   }
 
-  // How many partial results a loop leaves. They are added up in their order, so that no sum depends on the
+  // A slot is a tile. Its results are added up in the order of the tiles, so that no sum depends on the
   // number of threads.
   int slots() const { return tiles_.count(); }
   bool is_awake(int slot) const { return !tiles_.sleeps(slot); }
@@ -94,8 +94,8 @@ class Driver {
     disorder_ = 0;
     ++sorts_;
   }
-  // Points are sorted by cell again when that pays: once the bundles that disorder has added since, step by
-  // step, have cost as much; and when one has strayed too far from its tile.
+  // Sorts the points by cell again when that pays: once the bundles that disorder has added since the last
+  // sort have cost as much, summed over the steps. Sorts also when a point has strayed too far from its tile.
   bool arrange(int support, bool is_start) {
     tiles_.renew_spans();
     disorder_ += std::max(std::int64_t(tiles_.bundle_count()) - sorted_bundles_, std::int64_t(0));
@@ -131,7 +131,7 @@ class Driver {
         tiles_.for_each_block(tile, [&](int, const Block& block) { sum += block.end - block.begin; });
     return sum;
   }
-  // Bytes of the points (fields, body, id, cell; the sort's scratch; bundles) and of the nodes.
+  // Return the bytes of the points (fields, body, id, cell; the sort's scratch; bundles) and of the nodes.
   std::size_t point_bytes() const {
     const std::size_t one = component_count * sizeof(T) + 9;
     return points_.count * (one + sizeof(T) + 9) + tiles_.bundle_count() * sizeof(Bundle);

@@ -29,8 +29,8 @@ class Tiles {
   }
   int count() const { return int(tiles_.size()); }
 
-  // The order of the points as a checkpoint keeps it: the blocks, tile by tile, and which tiles rest. Bundles
-  // follow from the cells of the points. A sum of points depends on it.
+  // The order of the points as a checkpoint keeps it: the blocks, tile by tile, and which tiles rest. A sum
+  // over points depends on it. The bundles follow from the cells of the points.
   struct Order {
     std::vector<std::uint32_t> blocks;  // of each tile, how many
     std::vector<std::uint32_t> begin, end;
@@ -78,7 +78,7 @@ class Tiles {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int t = 0; t < count(); ++t) split_tile(points, grid, support, t);
   }
-  // What nodes the tiles touch from now on. To be called once a step, after points have moved.
+  // Finds which nodes the tiles touch from now on. To be called once a step, after points have moved.
   void renew_spans() {
     for (int t = 0; t < count(); ++t) {
       Span all;
@@ -132,14 +132,14 @@ class Tiles {
   void for_each_block(int t, F&& f) const {
     for (const Block& block : tiles_[t].blocks) f(t, block);
   }
-  // f(tile, block) for each block, of sleeping tiles too; tiles in parallel.
+  // Calls f(tile, block) for each block, of sleeping tiles too; tiles in parallel.
   template <class F>
   void visit(int threads, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int t = 0; t < count(); ++t) for_each_block(t, f);
   }
-  // f(tile, block) for each block that is awake; tiles in parallel. `F` may write to the points of the block
-  // only.
+  // Calls f(tile, block) for each block that is awake; tiles in parallel. `F` may write to the points of the
+  // block only.
   template <class F>
   void gather(int threads, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
@@ -165,8 +165,8 @@ class Tiles {
     by_colour(threads, [&](int t) { regroup_tile(points, grid, support, t, moved, then); });
   }
 
-  // f(tile, first node, end) over the nodes of each tile that points touch, line by line; `stale`: or touched
-  // before. Without the nodes that only sleeping points touch.
+  // Calls f(tile, first node, end) over the nodes of each tile that points touch, line by line; `stale`: or
+  // touched before. Without the nodes that only sleeping points touch.
   template <class T, class F>
   void for_each_line(const GridGeometry<T>& grid, int threads, bool stale, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
@@ -200,7 +200,7 @@ class Tiles {
     bool astray = false;                                // a point is farther than a plane or a row away
   };
 
-  // f(tile) for each that is awake, or for all; a colour's in parallel.
+  // Calls f(tile) for each that is awake, or for all; a colour's in parallel.
   template <class F>
   void by_colour(int threads, F&& f, bool all = false) const {
     for (int colour = 0; colour < 4; ++colour) {

@@ -1,4 +1,4 @@
-// Where the energy is, and where it went.
+// Where the energy is, and where it went: what the points have now, and what they lost.
 #pragma once
 #include "model.hpp"
 
@@ -44,7 +44,7 @@ void add_point(Ledger& ledger, const Model<T>& model, const Points<T>& points, s
   ledger.momentum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
 }
 
-// What the points have and carry now.
+// Returns what the points have and carry now.
 template <class T, class Driver>
 Ledger energies(const Model<T>& model, const Driver& driver) {
   std::vector<Ledger> parts(driver.slots());

@@ -7,7 +7,7 @@
 
 namespace pockmark {
 
-// f(p) for the points that have not left, in the driver's order.
+// Calls f(p) for the points that have not left, in the driver's order.
 template <class T, class F>
 void for_each_point(const Points<T>& points, F&& f) {
   for (std::size_t p = 0; p < points.count; ++p)
@@ -26,7 +26,7 @@ Sym3<T> settled_deviator(const Model<T>& model, const Points<T>& points, std::si
   return ((trial - T(3) * m.shear(conditions) * strain) / trial) * point.deviator;
 }
 
-// Points in one place: how many, and the corners of a box around them (m).
+// Points that are found together: how many, and the corners of a box around them (m).
 struct Gathering {
   std::int64_t points = 0;
   std::array<double, 3> lower{}, upper{};

@@ -135,7 +135,8 @@ class Solver {
     return l;
   }
 
-  // Takes the place of placing points and initialize() where F::restores. See Machine::for_each_part.
+  // Where F::restores it does for a solver without points what place() and initialize() do. See
+  // Machine::for_each_part.
   template <class F>
   void for_each_part(F&& f) {
     if constexpr (std::remove_cvref_t<F>::restores) begin_anchorage();

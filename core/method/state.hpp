@@ -14,7 +14,7 @@ struct State {
   double closing_speed = 0;  // largest difference of the points' velocities at the start (m/s)
   double initial = 0;        // energy at the start (J)
   Departed departed;
-  // Energies taken so far, J/kg times the mass unit.
+  // Energies taken so far, J / Model::mass_unit.
   double absorbed = 0, pic = 0, contact = 0;
   Audit audit;                // of the whole run
   Audit extremes;             // of the last stress update

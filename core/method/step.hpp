@@ -83,7 +83,7 @@ class Step {
     });
     return force;
   }
-  // (3) alone.
+  // (3) alone: strains the points by a nodal velocity.
   void stress_only(Velocity<T> velocity, const Pay& pay) {
     stress(velocity, pay, [&](auto&& update) {
       driver_.for_each_awake_block([&](int slot, const Block& block) {
@@ -130,11 +130,11 @@ class Step {
     return after;
   }
 
-  // (6): velocities of the points.
+  // (6): changes the velocities of the points.
   void update_velocities(Velocity<T> before, Velocity<T> after) {
     velocities([&](auto&& update) { driver_.scatter(update); }, before, after);
   }
-  // (6): velocities of the points, mapped back to the grid.
+  // (6): changes the velocities of the points, and maps them back to the grid.
   Velocity<T> map_back(Velocity<T> before, Velocity<T> after) {
     const auto momentum = m_.other_momentum();
     Velocity<T> mapped{};
@@ -153,8 +153,9 @@ class Step {
         });
     return mapped;
   }
-  // (6): velocities and positions of the points, where nothing between the two needs the old positions; and
-  // their momentum for the next step, to the array that is free: one pass does the work of three.
+  // (6): changes velocities and positions of the points, where nothing between the two needs the old
+  // positions. Adds their momentum for the next step to the array that is free: one pass does the work of
+  // three.
   void update_velocities_and_move(Velocity<T> before, Velocity<T> after) {
     const auto momentum = m_.other_momentum();
     velocities(
@@ -180,12 +181,12 @@ class Step {
     });
   }
 
-  // (6): positions of the points, and their momentum for the next step, while they are in the cache. `before`
-  // is lost: its array takes the momentum.
+  // (6): changes the positions of the points, and adds their momentum for the next step, while they are in
+  // the cache. `before` is lost: its array takes the momentum.
   void move(Velocity<T> after) {
     move_with(after, [](const Block&) {});
   }
-  // The same, after a last strain by a nodal velocity.
+  // Does the same, after a last strain by a nodal velocity.
   void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
     move_with(after, [&](const Block& block) {
       StrainColumns<T> strains;
@@ -204,7 +205,7 @@ class Step {
     driver_.exchange(sum);
     fold(driver_, grid_, model_.faces, sum, Mirrored::vector);
   }
-  // The velocity takes the place of the momentum.
+  // Completes and divides a momentum: the velocity takes its place.
   Velocity<T> to_velocity(Momentum<T> momentum) {
     finish(momentum);
     driver_.for_each_line(
@@ -273,7 +274,7 @@ class Step {
       state_.is_mapped = true;
     });
   }
-  // Whether a point changed its cell.
+  // Returns whether a point changed its cell.
   bool move_block(int slot, const Block& block, Velocity<T> after) {
     return move_points<Shape, V>(driver_.points(), grid_, block, after, T(dt()),
                                  [&](std::size_t p, int face) { exits_[slot].push_back({p, face}); });

@@ -34,7 +34,7 @@ class TransmittingFaces {
     fold(driver, grid, model.faces, damping, Mirrored::magnitudes);
     list(grid, damping);
   }
-  // Lists the nodes that are damped.
+  // Makes the list of the nodes that are damped.
   void list(const GridGeometry<T>& grid, Damping<T> damping) {
     nodes_.clear();
     row_.clear();
@@ -65,7 +65,7 @@ class TransmittingFaces {
     list(grid, damping);
   }
 
-  // Where nodes() has its first node from this one on.
+  // Returns the first damped node from a node on, as its place in nodes_.
   std::size_t first_from(const GridGeometry<T>& grid, std::size_t node) const {
     std::size_t i = row_[node / grid.nodes(2)];
     while (i < nodes_.size() && nodes_[i] < node) ++i;

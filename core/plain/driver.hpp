@@ -99,7 +99,7 @@ class Driver {
   std::size_t node_bytes() const { return buffers_[0].size() * buffers_.size() * sizeof(Quad<T>); }
 
  private:
-  // f(slot, block) for a block of one point, unless it is gone.
+  // Calls f(slot, block) for a block of one point, unless it is gone.
   template <class F>
   void with_block(std::size_t p, F&& f) const {
     if (points_.cell[p] == gone) return;
