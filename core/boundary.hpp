@@ -14,7 +14,7 @@ using Faces = std::array<Face, 6>;  // x_lower, x_upper, y_lower, y_upper, z_low
 struct FaceNode {
   std::size_t on, inside, outside;
 };
-// Returns the node of a field at place (b, c) on a face: b and c count nodes along the two axes after the
+// Returns the node of a velocity field at (b, c) on a face: b and c count nodes along the two axes after the
 // face's own.
 template <class T>
 PM_HD FaceNode face_node(const GridGeometry<T>& grid, int face, std::size_t field, int b, int c) {
@@ -29,7 +29,7 @@ PM_HD FaceNode face_node(const GridGeometry<T>& grid, int face, std::size_t fiel
   };
   return {node(0), node(inward), node(-inward)};
 }
-// Calls f(face node) over a face, in each field.
+// Calls f(face node) over a face, in each velocity field.
 template <class Driver, class T, class F>
 void for_each_face_node(const Driver& driver, const GridGeometry<T>& grid, int face, F&& f) {
   const int b = (face / 2 + 1) % 3, c = (face / 2 + 2) % 3;

@@ -9,7 +9,7 @@
 
 namespace pockmark {
 
-// A node that two velocity fields share.
+// A node that two velocity fields share; kg stands for Model::mass_unit.
 template <class T>
 struct Meeting {
   std::size_t node;  // of the first field

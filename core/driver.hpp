@@ -47,7 +47,7 @@ concept IsDriver =
       // (`stale`).
       d.for_each_line(is_so, f);
       d.forget_stale();
-      // f(i, j) for i < rows, j < columns.
+      // Calls f(i, j) for i < rows, j < columns.
       d.for_each_pair(n, n, f);
       // Adds up what other memories have put on nodes that they share.
       d.exchange(force);

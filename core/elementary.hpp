@@ -25,7 +25,7 @@ struct Layout<float> {
   static constexpr float largest_exponent = 86;
 };
 
-// x = 2^e m with m in [sqrt(1/2), sqrt(2)).
+// Splits x = 2^e m with m in [sqrt(1/2), sqrt(2)).
 template <class V>
 PM_HD void split_exponent(V x, V& e, V& m) {
   using T = number_t<V>;
@@ -50,7 +50,7 @@ PM_HD V fast_log(V x) {
   return e * T(0.6931471805599453) + T(2) * (f + f * z * series);
 }
 
-// Within 4e-6, without a division: for what an iteration starts from.
+// Returns log x within 4e-6, without a division: for what an iteration starts from.
 template <class V>
 PM_HD V rough_log(V x) {
   using T = number_t<V>;
@@ -62,7 +62,7 @@ PM_HD V rough_log(V x) {
   return e * T(0.6931471805599453) + t * series;
 }
 
-// Results are cut at e^-690 and e^690 (single: e^-86, e^86).
+// Returns e^x, cut at e^-690 and e^690 (single: e^-86, e^86).
 template <class V>
 PM_HD V fast_exp(V x) {
   using T = number_t<V>;
@@ -97,7 +97,7 @@ PM_HD Twice<V> fast_exp(Twice<V> x) {
   return {fast_exp(x.a), fast_exp(x.b)};
 }
 
-// x^n for x >= 0, n > 0.
+// Returns x^n for x >= 0, n > 0.
 template <class V>
 PM_HD V fast_pow(V x, number_t<V> n) {
   using T = number_t<V>;

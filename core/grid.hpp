@@ -56,8 +56,9 @@ struct GridGeometry {
   }
 };
 
-// What the first three numbers of a node are; the fourth is its mass where that is momentum or velocity. It
-// is part of the type of every nodal array, so that an array is never taken for another.
+// What the first three numbers of a node are, where kg stands for Model::mass_unit; the fourth is its mass
+// where they are momentum or velocity. It is part of the type of every nodal array, so that an array is never
+// taken for another.
 enum class Nodal {
   momentum,  // kg m/s
   velocity,  // m/s

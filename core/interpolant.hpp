@@ -52,7 +52,7 @@ class Interpolant {
     });
     return sum;
   }
-  // derivative[c][a] = d v_c / d f_a (Eq. 13), summed axis by axis.
+  // Finds derivative[c][a] = d v_c / d f_a (Eq. 13), summed axis by axis.
   template <class V>
   PM_HD void slopes(const Vec3<V>& f, V (&derivative)[3][3]) const {
     constexpr int S = Shape::support;

@@ -8,8 +8,8 @@
 
 namespace pockmark {
 
-// FLIP with a share of PIC: v += sum N (v_after - v_before) (6). Returns the kinetic energy that PIC took
-// (J).
+// Changes the velocities of the points: FLIP with a share of PIC, v += sum N (v_after - v_before) (6).
+// Returns the kinetic energy that PIC took (J / Model::mass_unit).
 template <class Shape, class V, class Hints, class T = number_t<V>>
 double update_velocities(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                          Velocity<T> before, Velocity<T> after, T pic) {
@@ -67,7 +67,7 @@ PM_HD void reflect(const Points<T>& points, const GridGeometry<T>& grid, std::si
     f[a] = inside - shift;
     T* v = points.at(Field::velocity, a);
     v[p] = -v[p];
-    // xy, yz, zx: two of them have the axis.
+    // A mirror turns the sign of those two of xy, yz, zx that have its axis.
     for (int c = 3; c < 6; ++c)
       if (c - 3 == a || (c - 2) % 3 == a) points.at(Field::deviator, c)[p] *= T(-1);
   }
@@ -98,8 +98,8 @@ PM_NOINLINE bool relocate(const Points<T>& points, const GridGeometry<T>& grid, 
   return changed;
 }
 
-// x += dt sum N v_after (6). Calls leave(point, face) for a point that leaves the grid. Returns whether a
-// point changed its cell.
+// Moves the points, x += dt sum N v_after (6). Calls leave(point, face) for a point that leaves the grid.
+// Returns whether a point changed its cell.
 template <class Shape, class V, class T, class Leave>
 bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Block& block, Velocity<T> after,
                  T dt, Leave&& leave) {

@@ -91,7 +91,7 @@ template <class T>
 PM_HD T double_dot(const Sym3<T>& a, const Sym3<T>& b) {
   return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + T(2) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
 }
-// von Mises effective stress of a deviator, sqrt(3/2 s:s), and its square.
+// Return the von Mises effective stress of a deviator, sqrt(3/2 s:s), and its square.
 template <class T>
 PM_HD T effective_squared(const Sym3<T>& s) {
   return T(1.5) * double_dot(s, s);
@@ -126,8 +126,8 @@ PM_HD Sym3<T> select(M m, const Sym3<T>& a, const Sym3<T>& b) {
           select(m, a.xy, b.xy), select(m, a.yz, b.yz), select(m, a.zx, b.zx)};
 }
 
-// R s R^T, R the Cayley (Hughes-Winget) rotation of the spin increment: exactly orthogonal, so a rigid
-// rotation never changes the norm of the stress. `half` is half of the angle, `f` 2/(1 + half^2).
+// Returns R s R^T, R the Cayley (Hughes-Winget) rotation of the spin increment: exactly orthogonal, so a
+// rigid rotation never changes the norm of the stress. `half` is half of the angle, `f` 2/(1 + half^2).
 template <class T>
 PM_HD Sym3<T> rotate(const Sym3<T>& s, const Vec3<T>& half, T f) {
   const T a = half.x, b = half.y, c = half.z, fa = f * a, fb = f * b, fc = f * c;

@@ -75,9 +75,9 @@ PM_HD T share_of_layer(T depth) {
   return min(max((T(1) + half_slope - depth) / (2 * half_slope), T(0)), T(1));
 }
 
-// Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the
-// layer of cells behind the face stands for the area V/h. It is projected onto the face and shares the area
-// among the nodes there, so edges get a half and corners a quarter without special cases.
+// Adds the damping of transmitting faces (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the
+// face. A point in the layer of cells behind the face stands for the area V/h. It is projected onto the face
+// and shares the area among the nodes there, so edges get a half and corners a quarter without special cases.
 template <class Shape, class T>
 void add_damping(const Points<T>& points, const GridGeometry<T>& grid, const Faces& faces,
                  const Bundle& bundle, const Damper<T>* dampers, const AnchorageView& anchorage,

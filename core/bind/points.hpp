@@ -53,8 +53,8 @@ inline const FieldInfo& field_named(const std::string& name) {
   throw std::invalid_argument("no field is named '" + name + "'");
 }
 
-// A field between what the core keeps and what a user knows: the same, but for the volume, kept as V/V0 - 1,
-// and the mass, in a unit of the solver's.
+// Convert a field between what the core keeps and what a user knows. They are the same, but for the volume,
+// kept as V/V0 - 1, and the mass, kept in Model::mass_unit.
 template <class D>
 double to_user(const Solver<D>& solver, Field field, std::size_t p, double kept) {
   if (field == Field::mass) return kept * solver.model().mass_unit;
@@ -66,7 +66,7 @@ double from_user(const Solver<D>& solver, Field field, std::size_t p, double giv
   return field == Field::dilation ? given / solver.model().reference_volume(solver.points(), p) - 1 : given;
 }
 
-// A field of the points that have not left.
+// Returns a field of the points that have not left.
 template <class D>
 nb::object get_field(const Solver<D>& solver, const std::string& name) {
   const auto& points = solver.points();

@@ -97,7 +97,7 @@ class Tiles {
     return sum;
   }
 
-  // Whether every point is still within a plane and a row of its tile.
+  // Returns whether every point is still within a plane and a row of its tile.
   bool hold() const {
     return std::none_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.astray; });
   }
@@ -146,19 +146,19 @@ class Tiles {
     for (int t = 0; t < count(); ++t)
       if (!sleeps(t)) for_each_block(t, f);
   }
-  // As gather, but `F` may add to the nodes under the block.
+  // Does as gather does, but `F` may add to the nodes under the block.
   template <class F>
   void scatter(int threads, F&& f) const {
     by_colour(threads, [&](int t) { for_each_block(t, f); });
   }
-  // As scatter, for the blocks of sleeping tiles too.
+  // Does as scatter does, for the blocks of sleeping tiles too.
   template <class F>
   void scatter_all(int threads, F&& f) const {
     by_colour(threads, [&](int t) { for_each_block(t, f); }, true);
   }
-  // As scatter, where moved(tile, block) may move the points of a block and says whether one changed its
-  // cell: then its points are split again. then(tile, block) may add to the nodes under the blocks that
-  // result.
+  // Does as scatter does, where moved(tile, block) may move the points of a block and says whether one
+  // changed its cell: then its points are split again. then(tile, block) may add to the nodes under the
+  // blocks that result.
   template <class T, class F, class G>
   void regroup(const Points<T>& points, const GridGeometry<T>& grid, int support, int threads, F&& moved,
                G&& then) {
@@ -215,7 +215,7 @@ class Tiles {
     Tile& tile = tiles_[t];
     tile.clear();
     tile.astray = false;
-    // The points of a tile are consecutive plane by plane, field by field.
+    // The points of a tile are consecutive in each plane of each velocity field.
     for (std::size_t field = 0; field < grid.field_count; ++field)
       for (int i = tiling_.first_plane(t); i < tiling_.end_plane(t); ++i) {
         const std::size_t at = stretch(field, i, t % tiling_.across);
@@ -253,7 +253,7 @@ class Tiles {
     tile.link(0, 0);
     find_touched(tile, support);
   }
-  // Whether the points of a block are within a plane and a row of tile t.
+  // Returns whether the points of a block are within a plane and a row of tile t.
   bool within_reach(int t, const Block& block) const {
     return std::all_of(block.bundles, block.bundles + block.bundle_count, [&](const Bundle& bundle) {
       return tiling_.reaches(t, bundle.base[0], bundle.base[1]);
@@ -267,7 +267,7 @@ class Tiles {
     tile.touched.begin = std::max(tile.touched.begin - 2, 0);
     tile.touched.end = std::min(tile.touched.end + 2, tiling_.nodes[2]);
   }
-  // Where begin_ has the points of a field, a plane and a tile along y.
+  // Returns where begin_ has the points of a velocity field, a plane and a tile along y.
   std::size_t stretch(std::size_t field, int plane, int t) const {
     return (field * tiling_.nodes[0] + plane) * tiling_.across + t;
   }

@@ -38,7 +38,7 @@ struct Tiling {
   int first_row(int t) const { return t % across * rows; }
   int end_row(int t) const { return std::min(first_row(t) + rows, nodes[1]); }
 
-  // Whether a stencil that begins at a plane and a row is within one of both of tile t.
+  // Returns whether a stencil that begins at a plane and a row is within one of both of tile t.
   bool reaches(int t, int plane, int row) const {
     return plane >= first_plane(t) - 1 && plane <= first_plane(t) + planes && row >= first_row(t) - 1 &&
            row <= first_row(t) + rows;

@@ -63,8 +63,8 @@ class Contact {
     }
   }
 
-  // Returns the kinetic energy (J) that the last step took from the points and paid no stress with: `final`
-  // is the points' velocity now, at the nodes (docs/theory.md, Eqs. 6 and 21).
+  // Returns the kinetic energy (J / Model::mass_unit) that the last step took from the points and paid no
+  // stress with: `final` is the points' velocity now, at the nodes (docs/theory.md, Eqs. 6 and 21).
   double taken(Velocity<T> before_forces, Velocity<T> after, Velocity<T> final) const {
     double sum = 0;
     for (const Meeting<T>& m : meetings_) {

@@ -11,7 +11,7 @@ struct Ledger {
   double left_kinetic = 0, left_internal = 0;  // carried out by points that left
   double pic = 0;                              // taken from the points' velocities by the PIC share
   double contact = 0;                          // by impact and friction where two bodies touch
-  double viscous = 0, plastic = 0;             // parts of the internal energy's history, for information
+  double viscous = 0, plastic = 0;             // shares of the internal energy's history, for information
   double initial = 0;
   double mass = 0;
   Vec3<double> momentum{};
@@ -47,12 +47,13 @@ void add_point(Ledger& ledger, const Model<T>& model, const Points<T>& points, s
 // Returns what the points have and carry now.
 template <class T, class Driver>
 Ledger energies(const Model<T>& model, const Driver& driver) {
-  std::vector<Ledger> parts(driver.slots());
+  std::vector<Ledger> of_slots(driver.slots());
   driver.for_each_block([&](int slot, const Block& block) {
-    for (std::size_t p = block.begin; p < block.end; ++p) add_point(parts[slot], model, driver.points(), p);
+    for (std::size_t p = block.begin; p < block.end; ++p)
+      add_point(of_slots[slot], model, driver.points(), p);
   });
   Ledger sum;
-  for (const auto& part : parts) sum += part;
+  for (const Ledger& one : of_slots) sum += one;
   return sum;
 }
 

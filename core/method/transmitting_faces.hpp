@@ -80,7 +80,7 @@ class TransmittingFaces {
   template <class Driver>
   void add_absorbed(const Model<T>& model, const Driver& driver, Velocity<T> before, Velocity<T> final,
                     Damping<T> damping, T dt, double& total) const {
-    std::vector<double> parts(driver.slots());
+    std::vector<double> of_slots(driver.slots());
     driver.for_each_line(false, [&](int slot, std::size_t begin, std::size_t end) {
       double sum = 0;
       for (std::size_t i = first_from(model.grid, begin); i < nodes_.size() && nodes_[i] < end; ++i) {
@@ -89,9 +89,9 @@ class TransmittingFaces {
         sum += double(absorbed_energy(before[node].vector(), after_[i].vector(), final[node].vector(),
                                       damping[node].vector(), dt));
       }
-      if (sum != 0) parts[slot] += sum;
+      if (sum != 0) of_slots[slot] += sum;
     });
-    for (const double part : parts) total += part;
+    for (const double one : of_slots) total += one;
   }
 
  private:
