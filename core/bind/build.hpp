@@ -23,11 +23,30 @@ inline nb::typed<nb::dict, std::string, nb::any> build_info() {
   return d;
 }
 
+// Return whether the processor has these levels of x86-64. Clang before 18 knows their parts by name, not the
+// levels.
+#ifdef __x86_64__
+#if defined(__clang__) && __clang_major__ < 18
+inline bool has_x86_64_v3() {
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+         __builtin_cpu_supports("bmi2");
+}
+inline bool has_x86_64_v4() {
+  return has_x86_64_v3() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl");
+}
+#else
+inline bool has_x86_64_v3() { return __builtin_cpu_supports("x86-64-v3"); }
+inline bool has_x86_64_v4() { return __builtin_cpu_supports("x86-64-v4"); }
+#endif
+#endif
+
 inline std::vector<std::string> supported_isas() {
   std::vector<std::string> isas;
 #ifdef __x86_64__
-  if (__builtin_cpu_supports("x86-64-v4")) isas.push_back("avx512");
-  if (__builtin_cpu_supports("x86-64-v3")) isas.push_back("avx2");
+  if (has_x86_64_v4()) isas.push_back("avx512");
+  if (has_x86_64_v3()) isas.push_back("avx2");
 #endif
   isas.push_back("scalar");
   return isas;
