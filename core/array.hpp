@@ -11,10 +11,10 @@
 
 namespace pockmark {
 
-// A pass reads twenty arrays side by side. Starting at the same place of a page, as the system hands them
-// out, they would compete for the same few lines of the cache, so each begins a little farther into its page
-// than the last. In small pages each is also another entry in the translation buffers: long arrays begin in a
-// huge one.
+// Gives each array a start of its own within a page. A pass reads twenty arrays side by side: if all began at
+// the same place of a page, as the system hands them out, they would compete for the same few lines of the
+// cache. Each array in small pages also takes an entry of its own in the processor's translation buffer, so
+// long arrays begin in a huge page.
 template <class T>
 struct ArrayAllocator {
   using value_type = T;
@@ -30,7 +30,7 @@ struct ArrayAllocator {
     const std::size_t start = boundary(bytes);
     char* at = static_cast<char*>(::operator new(bytes + page, std::align_val_t{start}));
 #ifdef __linux__
-    // A wish: what comes of it does not matter.
+    // The system may refuse: no result depends on it.
     if (start == huge) madvise(at, (bytes + page) / huge * huge, MADV_HUGEPAGE);
 #endif
     static std::atomic<std::size_t> arrays{0};

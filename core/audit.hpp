@@ -30,17 +30,18 @@ inline constexpr std::array counter_names{
     "eos_caps",          "return_failures",  "eos_failures",         "node_cutoffs",  "strain_limited_steps",
     "negative_energies", "negative_volumes", "negative_temperatures"};
 
-// Of one pack of points after another; added to an Audit every few hundred points.
+// Counts of the packs of a block, lane by lane. An Audit absorbs it once the block is done.
 template <class V>
 struct Tally {
   std::array<std::int64_t, counter_names.size()> counts{};
-  V wave_speed = V(0), volumetric_rate = V(0), compression = V(0);  // largest of each lane
+  V wave_speed = V(0), volumetric_rate = V(0), compression = V(0);  // the largest in each lane
   V plastic_work = V(0), viscous_work = V(0);
 
   PM_HD void count(Counter c, mask_t<V> mask) {
     if (any(mask)) counts[std::size_t(c)] += pockmark::count(mask);
   }
-  // |v| + c from the squares. Most are below the largest so far, and that is told without roots.
+  // Notes |v| + c, of which the squares are given. Most points are below the largest so far, which shows
+  // without a root.
   PM_HD void note_speed(mask_t<V> active, V c2, V v2) {
     const V left = wave_speed * wave_speed - c2 - v2;
     const auto record = active && (left < V(0) || left * left < V(4) * c2 * v2);
@@ -48,22 +49,24 @@ struct Tally {
   }
 };
 
-// One a tile, added up in the order of the tiles, so that sums do not depend on the number of threads.
+// What a driver's slot has counted. Audits are added up in the order of the slots, so that sums do not depend
+// on the number of threads.
 struct Audit {
   std::array<std::int64_t, counter_names.size()> counts{};
-  double wave_speed = 0;       // largest |v| + c of any point
-  double volumetric_rate = 0;  // largest |tr D|
-  double compression = 0;      // largest rho/rho0
-  double plastic_work = 0, viscous_work = 0;
+  double wave_speed = 0;                      // largest |v| + c of any point
+  double volumetric_rate = 0;                 // largest |tr D|
+  double compression = 0;                     // largest rho/rho0
+  double plastic_work = 0, viscous_work = 0;  // J / Model::mass_unit
 
-  // An empty tally, but for the largest wave speed so far.
+  // Returns an empty tally, but for the largest wave speed so far.
   template <class V>
   Tally<V> tally() const {
     Tally<V> out;
     out.wave_speed = V(number_t<V>(wave_speed));
     return out;
   }
-  // Its numbers in a fixed order, and back. Counts are below 2^53.
+  // Appends its numbers in a fixed order; from() takes them back. Counts are below 2^53, so a double holds
+  // them.
   static constexpr std::size_t size = counter_names.size() + 5;
   void append_to(std::vector<double>& numbers) const {
     numbers.insert(numbers.end(), counts.begin(), counts.end());
@@ -72,8 +75,11 @@ struct Audit {
   static Audit from(const double* numbers) {
     Audit audit;
     for (auto& count : audit.counts) count = std::int64_t(*numbers++);
-    audit.wave_speed = numbers[0], audit.volumetric_rate = numbers[1], audit.compression = numbers[2];
-    audit.plastic_work = numbers[3], audit.viscous_work = numbers[4];
+    audit.wave_speed = numbers[0];
+    audit.volumetric_rate = numbers[1];
+    audit.compression = numbers[2];
+    audit.plastic_work = numbers[3];
+    audit.viscous_work = numbers[4];
     return audit;
   }
   void count(Counter c) { ++counts[std::size_t(c)]; }

@@ -1,4 +1,4 @@
-// The machine's copy bandwidth, measured now: the limit that a step's rate is compared with.
+// The computer's copy bandwidth, measured now: the limit that a step's rate is compared with.
 #pragma once
 #include <algorithm>
 #include <chrono>
@@ -6,7 +6,7 @@
 
 namespace pockmark {
 
-// Bytes read and written a second by the best of five copies of 64 MiB.
+// Returns the bytes read and written a second by the best of five copies of 64 MiB.
 inline double copy_bandwidth(int threads) {
   const std::int64_t n = 8 << 20;
   std::vector<double> a(n, 1.0), b(n, 2.0);

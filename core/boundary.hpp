@@ -10,25 +10,26 @@ namespace pockmark {
 enum class Face { free, symmetry, fixed, transmitting };
 using Faces = std::array<Face, 6>;  // x_lower, x_upper, y_lower, y_upper, z_lower, z_upper
 
-// A node on a face, the one inside of it and the one outside, the padding of the grid included.
+// A node on a face, its neighbour inside of the face, and the one outside, in the padding of the grid.
 struct FaceNode {
   std::size_t on, inside, outside;
 };
-// Returns the node of a field at place (b, c) on a face: b and c count nodes along the two axes after the
+// Returns the node of a velocity field at (b, c) on a face: b and c count nodes along the two axes after the
 // face's own.
 template <class T>
 PM_HD FaceNode face_node(const GridGeometry<T>& grid, int face, std::size_t field, int b, int c) {
   const int axis = face / 2, plane = face % 2 ? grid.pad + grid.cells[axis] : grid.pad;
   const int inward = face % 2 ? -1 : 1;
   int ijk[3];
-  ijk[(axis + 1) % 3] = b, ijk[(axis + 2) % 3] = c;
+  ijk[(axis + 1) % 3] = b;
+  ijk[(axis + 2) % 3] = c;
   const auto node = [&](int offset) {
     ijk[axis] = plane + offset;
     return field * grid.node_count() + grid.index(ijk[0], ijk[1], ijk[2]);
   };
   return {node(0), node(inward), node(-inward)};
 }
-// Calls f(face node) over a face, in each field.
+// Calls f(face node) over a face, in each velocity field.
 template <class Driver, class T, class F>
 void for_each_face_node(const Driver& driver, const GridGeometry<T>& grid, int face, F&& f) {
   const int b = (face / 2 + 1) % 3, c = (face / 2 + 2) % 3;
@@ -37,13 +38,15 @@ void for_each_face_node(const Driver& driver, const GridGeometry<T>& grid, int f
                          [&, field](int ib, int ic) { f(face_node(grid, face, field, ib, ic)); });
 }
 
-// A symmetry plane is a mirror, a fixed face one that also turns the tangential velocity round (so that it
-// vanishes on the face): what stencils put on the nodes behind them belongs to their images.
+// A symmetry plane is a mirror. So is a fixed face, one that also turns the tangential velocity round, so
+// that it vanishes on the face. What stencils put on the nodes behind a mirror belongs to the images of these
+// nodes.
 inline bool is_mirror(Face face) { return face == Face::symmetry || face == Face::fixed; }
 inline int mirror_sign(Face face, int face_axis, int component) {
   return face == Face::fixed || component == face_axis ? -1 : 1;
 }
 
+// What a mirror does to the components of a sum: it turns those of a vector, magnitudes stay.
 enum class Mirrored { vector, magnitudes };
 
 // Adds what the nodes behind a mirror have to their images. Nothing stays behind it.

@@ -3,10 +3,11 @@
 #include "audit.hpp"
 #include "material.hpp"
 #include "points.hpp"
+#include "twice.hpp"
 
 namespace pockmark {
 
-// What a point tells its strength law.
+// Returns what a point tells its strength law.
 template <class V>
 PM_HD Conditions<V> conditions_of(const PointState<V>& point) {
   return {point.temperature, point.pressure, point.ratio(), point.damage};
@@ -17,7 +18,7 @@ PM_HD Conditions<Twice<V>> conditions_of(const PointState<V>& a, const PointStat
       {a.temperature, b.temperature}, {a.pressure, b.pressure}, {a.ratio(), b.ratio()}, {a.damage, b.damage}};
 }
 
-// Work of the point's stress per m^3 of initial volume, (s - (p+q) I) : D dt V/V0.
+// Returns the work of the point's stress per m^3 of initial volume, (s - (p+q) I) : D dt V/V0.
 template <class V>
 PM_HD V stress_work(const PointState<V>& point, const Sym3<V>& strain) {
   return (double_dot(point.deviator, strain) - (point.pressure + point.viscosity) * trace(strain)) *
@@ -33,14 +34,15 @@ PM_HD void strain_elastically(const Material<T>& material, PointState<V>& point,
   auto change = (T(2) * shear) * deviator(strain.small);
   if (material.deviator_per_initial_volume()) {
     const V after = V(1) / point.ratio();
-    s = (before * after) * s, change = after * change;
+    s = (before * after) * s;
+    change = after * change;
   }
   s = s + change;
   point.deviator = select(point.damage < V(1), s, Sym3<V>{V(0), V(0), V(0), V(0), V(0), V(0)});
 }
 
-// Moves the point through a strain under its old stress: pays the whole work of that stress, takes the volume
-// along, and leaves an elastic trial deviator for the StressUpdate that follows.
+// Takes a point through a strain under its old stress: pays the whole work of that stress, changes the
+// volume, and leaves an elastic trial deviator to the StressUpdate that follows.
 template <class V, class T>
 PM_HD void follow_strain(const Material<T>& material, PointState<V>& point, const Strain<V>& strain) {
   point.energy += stress_work(point, strain.small);
@@ -48,9 +50,9 @@ PM_HD void follow_strain(const Material<T>& material, PointState<V>& point, cons
 }
 
 // The update of a pack of points of one material, in four stages: strain, return to the yield surface,
-// pressure, damage. The driver takes all points of a block through one stage before the next: a stage is
+// pressure, damage. update_stress() takes all points of a block through one stage before the next: a stage is
 // short enough to live in registers, and few points need the second and the last. Only `active` lanes are
-// tallied; `reference_volume` (m^3) is what turns work per volume into work.
+// tallied. `reference_volume` is V0 in m^3 / Model::mass_unit: it turns work per initial volume into work.
 template <class V>
 struct StressUpdate {
   using T = number_t<V>;
@@ -61,7 +63,8 @@ struct StressUpdate {
   T step;                  // duration of the whole step, for plastic strain rates
   T old_share, new_share;  // weights of sigma_old : D and sigma_new : D in the energy paid here
 
-  // Half of the work, volume, elastic trial deviator. Returns which points may be beyond the yield surface.
+  // Pays the work that the old stress does, changes the volume, and leaves an elastic trial deviator. Returns
+  // which points may be beyond the yield surface.
   PM_HD Mask strain(PointState<V>& point, const Strain<V>& by, Mask active, Tally<V>& tally) const {
     if (old_share > T(0)) point.energy += old_share * stress_work(point, by.small);
     const V rate = absolute(trace(by.small)) * (T(1) / dt);
@@ -84,7 +87,7 @@ struct StressUpdate {
     return select(yields, increment, V(0));
   }
 
-  // Returns the square of the sound speed.
+  // Finds pressure, bulk viscosity and energy. Returns the square of the sound speed.
   PM_HD V press(PointState<V>& point, const Sym3<V>& strain, V reference_volume, Mask active,
                 Tally<V>& tally) const {
     const auto change = Compression<V>::of(point.dilation);
@@ -119,12 +122,12 @@ struct StressUpdate {
     return bulk_c2 + select(intact, material.deviator_per_initial_volume() ? shear : shear * ratio, V(0));
   }
 
-  // Which points the failure law may damage although they do not yield.
+  // Returns which points the failure law may damage although they do not yield.
   PM_HD Mask breaks(const PointState<V>& point, Mask active) const {
     return active && point.damage < V(1) && material.may_fail(-point.pressure);
   }
 
-  // Damage, and heat of a plastic increment. Points that fail lose their deviator and their tension.
+  // Adds damage, and the heat of a plastic increment. Points that fail lose their deviator and their tension.
   PM_HD void damage(PointState<V>& point, V plastic, const Sym3<V>& strain, Mask active,
                     Tally<V>& tally) const {
     const auto yields = active && V(0) < plastic;
@@ -158,7 +161,7 @@ struct StressUpdate {
   }
 
  private:
-  // Of a law that is not linear in the energy.
+  // Returns the pressure of a law that is not linear in the energy.
   PM_HD V refined(const Compression<V>& change, V pressure, V known, V work, Mask active,
                   Tally<V>& tally) const {
     const auto solved = material.eos.visit([&]<class Law>(const Law& e) {

@@ -1,15 +1,15 @@
 // What a driver must do for the method: hold the points and the nodes, and walk over them. The method
-// (core/method/) knows no threads, tiles or lanes; the kernels (transfer.hpp, update.hpp) are functions of
-// views.
+// (core/method/) knows no threads, tiles or lanes; the kernels (transfer.hpp, stress.hpp, motion.hpp) are
+// functions of views.
 #pragma once
 #include <concepts>
 #include <cstdint>
 
-#include "update.hpp"
+#include "transfer.hpp"
 
 namespace pockmark {
 
-// Stands for a function of the method that a driver calls.
+// Stands for any function that the method hands to a driver.
 struct AnyCall {
   static constexpr bool restores = false;
   template <class... Given>
@@ -18,7 +18,8 @@ struct AnyCall {
   }
 };
 
-// A driver may hand a function the same slot again and again, from one thread at a time; slots share nothing.
+// What the method leaves in a slot shares nothing with another slot. A driver may hand a function the same
+// slot again and again, from one thread at a time.
 template <class D, class T = typename D::Number, class Shape = Linear<T>>
 concept IsDriver =
     requires(D d, const GridGeometry<T>& grid, std::size_t count, const Block& block,
@@ -32,8 +33,8 @@ concept IsDriver =
       // Reductions: a loop leaves a partial result in each of `slots()`.
       { d.slots() } -> std::same_as<int>;
       { d.is_awake(n) } -> std::same_as<bool>;
-      // f(slot, block) over blocks of points, where f writes to the points of its block only: of all points,
-      // or without those that a driver knows to be at rest.
+      // Calls f(slot, block) over blocks of points, where f writes to the points of its block only: of all
+      // points, or without those that a driver knows to be at rest.
       d.for_each_block(f);
       d.for_each_awake_block(f);
       // The same, where f may add to the nodes under its block.
@@ -42,11 +43,11 @@ concept IsDriver =
       // moved(slot, block) may move the points of its block and says whether one changed its cell; then(slot,
       // block) may add to the nodes under the blocks that result.
       d.regroup(n, f, f);
-      // f(slot, first node, end) over the nodes that points touch, or touched before the last clear
+      // Calls f(slot, first node, end) over the nodes that points touch, or touched before the last clear
       // (`stale`).
       d.for_each_line(is_so, f);
       d.forget_stale();
-      // f(i, j) for i < rows, j < columns.
+      // Calls f(i, j) for i < rows, j < columns.
       d.for_each_pair(n, n, f);
       // Adds up what other memories have put on nodes that they share.
       d.exchange(force);

@@ -2,7 +2,10 @@
 // below 1e-14 in double, 4e-7 in single (tests/kernels). Arguments must be finite and normal, > 0 for log and
 // pow.
 #pragma once
+#include <bit>
+
 #include "lanes.hpp"
+#include "twice.hpp"
 
 namespace pockmark {
 
@@ -22,7 +25,7 @@ struct Layout<float> {
   static constexpr float largest_exponent = 86;
 };
 
-// x = 2^e m with m in [sqrt(1/2), sqrt(2)).
+// Splits x = 2^e m with m in [sqrt(1/2), sqrt(2)).
 template <class V>
 PM_HD void split_exponent(V x, V& e, V& m) {
   using T = number_t<V>;
@@ -47,7 +50,7 @@ PM_HD V fast_log(V x) {
   return e * T(0.6931471805599453) + T(2) * (f + f * z * series);
 }
 
-// Within 4e-6, without a division: for what an iteration starts from.
+// Returns log x within 4e-6, without a division: for what an iteration starts from.
 template <class V>
 PM_HD V rough_log(V x) {
   using T = number_t<V>;
@@ -59,7 +62,7 @@ PM_HD V rough_log(V x) {
   return e * T(0.6931471805599453) + t * series;
 }
 
-// Results are cut at e^-690 and e^690 (single: e^-86, e^86).
+// Returns e^x, cut at e^-690 and e^690 (single: e^-86, e^86).
 template <class V>
 PM_HD V fast_exp(V x) {
   using T = number_t<V>;
@@ -94,7 +97,7 @@ PM_HD Twice<V> fast_exp(Twice<V> x) {
   return {fast_exp(x.a), fast_exp(x.b)};
 }
 
-// x^n for x >= 0, n > 0.
+// Returns x^n for x >= 0, n > 0.
 template <class V>
 PM_HD V fast_pow(V x, number_t<V> n) {
   using T = number_t<V>;

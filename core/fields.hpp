@@ -32,7 +32,7 @@ inline constexpr std::array field_table{
     FieldInfo{Field::place, "position", 3, "m",
               "position x, y, z; kept as the place in the stencil, in cells from its first node"},
     FieldInfo{Field::velocity, "velocity", 3, "m/s", "velocity x, y, z"},
-    FieldInfo{Field::mass, "mass", 1, "kg", "mass; kept in units of a full cell's (Solver::mass_unit)"},
+    FieldInfo{Field::mass, "mass", 1, "kg", "mass; kept in units of a full cell's (Model::mass_unit)"},
     FieldInfo{Field::dilation, "volume", 1, "m^3", "current volume; kept as V/V0 - 1"},
     FieldInfo{Field::energy, "energy", 1, "J/m^3", "internal energy per initial volume"},
     FieldInfo{Field::deviator, "deviator", 6, "Pa", "deviatoric stress xx, yy, zz, xy, yz, zx"},

@@ -10,7 +10,8 @@
 namespace pockmark {
 
 // A node with less mass than this has a velocity of rounding only: its momentum is about as small as numbers
-// get. Masses are in units of a full cell's (Solver), so nothing of weight is left out, however small a body.
+// get. Masses are in units of about a full cell's (Model::mass_unit), so nothing of weight is left out,
+// however small a body.
 template <class T>
 inline constexpr T least_mass = std::numeric_limits<T>::min() / std::numeric_limits<T>::epsilon();
 
@@ -24,14 +25,15 @@ struct GridGeometry {
   T cell = 1;
   T per_metre = 1;  // 1/cell
   std::array<int, 3> cells{};
-  double per_plane = 1, per_row = 1;  // 1/nodes
-  std::size_t field_count = 1;
+  double per_plane = 1, per_row = 1;   // 1 / nodes of a plane (one i), of a row (one i and j)
+  std::size_t field_count = 1;         // velocity fields
   std::array<bool, 6> is_symmetric{};  // of each face: whether it is a plane of symmetry
 
   GridGeometry() = default;
   GridGeometry(const Vec3<T>& lower_, T cell_, const std::array<int, 3>& cells_)
       : lower(lower_), cell(cell_), per_metre(T(1) / cell_), cells(cells_) {
-    per_plane = 1.0 / double(index(1, 0, 0)), per_row = 1.0 / double(index(0, 1, 0));
+    per_plane = 1.0 / double(index(1, 0, 0));
+    per_row = 1.0 / double(index(0, 1, 0));
   }
 
   PM_HD int nodes(int axis) const { return cells[axis] + 1 + 2 * pad; }
@@ -39,12 +41,12 @@ struct GridGeometry {
   PM_HD std::size_t index(int i, int j, int k) const {
     return (std::size_t(i) * nodes(1) + j) * nodes(2) + k;
   }
-  // The first node of the field that a node belongs to.
+  // Returns the first node of the velocity field that a node belongs to.
   PM_HD std::size_t field_of(std::size_t node) const {
     const std::size_t second = node_count();
     return field_count > 1 && node >= second ? second : 0;
   }
-  // The inverse of index. Products are quicker than divisions; the half keeps them off whole numbers.
+  // Undoes index(). Products are quicker than divisions; the half keeps them off whole numbers.
   PM_HD void split(std::size_t node, int (&ijk)[3]) const {
     node -= field_of(node);
     ijk[0] = int((double(node) + 0.5) * per_plane);
@@ -54,8 +56,9 @@ struct GridGeometry {
   }
 };
 
-// What the first three numbers of a node are; the fourth is its mass where that is momentum or velocity. It
-// is part of the type of every nodal array, so that an array is never taken for another.
+// What the first three numbers of a node are, where kg stands for Model::mass_unit; the fourth is its mass
+// where they are momentum or velocity. It is part of the type of every nodal array, so that an array is never
+// taken for another.
 enum class Nodal {
   momentum,  // kg m/s
   velocity,  // m/s

@@ -10,8 +10,9 @@ struct NodeStep {
   bool cut;
 };
 
-// m dv/dt = f - Z v, Z taken at mid-step: stable for any Z. A node lighter than `cutoff` takes the force of a
-// share m/cutoff of its points only: it holds a sliver of their mass but the whole of their stress.
+// Integrates m dv/dt = f - Z v, with v at mid-step in Z v: stable for any Z. A node lighter than `cutoff`
+// takes the force of a share m/cutoff of its points only: it holds a sliver of their mass but the whole of
+// their stress.
 template <class T>
 PM_HD NodeStep<T> integrate_node(const Quad<T>& before, const Quad<T>& force, const Quad<T>& damping, T dt,
                                  T cutoff) {
@@ -22,8 +23,9 @@ PM_HD NodeStep<T> integrate_node(const Quad<T>& before, const Quad<T>& force, co
   return {{((mass - z) * before.v + push) / (mass + z)}, cut};
 }
 
-// Energy (J) that the transmitting traction takes from the points: dt Z (v + v_after)/2 . (v + v_final)/2,
-// v_final the velocity that the points really got, where the scheme maps it back (docs/theory.md, Eq. 6).
+// Returns the energy (J / Model::mass_unit) that the transmitting traction takes from the points: dt Z (v +
+// v_after)/2 . (v + v_final)/2, v_final the velocity that the points really got, where the scheme maps it
+// back (docs/theory.md, Eq. 6).
 template <class T>
 PM_HD T absorbed_energy(const Vec3<T>& v, const Vec3<T>& after, const Vec3<T>& final, const Vec3<T>& damping,
                         T dt) {

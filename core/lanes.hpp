@@ -1,62 +1,17 @@
-// Numbers one by one or in packs: the physics is written once, for a type V that is a number or W of them.
+// A pack of W numbers in a register of the processor (GCC, Clang).
 #pragma once
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <type_traits>
 
-#include "portable.hpp"
+#include "pack.hpp"
 #ifdef __AVX2__
 #include <immintrin.h>
 #endif
 
 namespace pockmark {
-
-// ---- one number ----------------------------------------------------------------------------------
-
-template <class T>
-  requires std::is_arithmetic_v<T>
-PM_HD T select(bool condition, const T& yes, const T& no) {
-  return condition ? yes : no;
-}
-PM_HD bool any(bool m) { return m; }
-PM_HD int count(bool m) { return m; }
-PM_HD double root(double x) { return std::sqrt(x); }
-PM_HD float root(float x) { return std::sqrt(x); }
-
-PM_HD double raw(double x) { return x; }
-PM_HD float raw(float x) { return x; }
-
-// What is to be known of a V, and how it meets memory; `n` lanes of it, the rest neither read nor written.
-template <class V>
-struct Pack {
-  using Number = V;
-  using Mask = bool;
-  using Bits = std::conditional_t<sizeof(V) == 8, std::uint64_t, std::uint32_t>;
-  static constexpr int width = 1;
-  PM_HD static bool mask(bool b) { return b; }
-  PM_HD static bool first(int n) { return n > 0; }
-  PM_HD static V load(const V* at, int = 1) { return *at; }
-  PM_HD static void store(V* at, V v, int = 1) { *at = v; }
-};
-template <class V>
-using number_t = typename Pack<V>::Number;
-template <class V>
-using mask_t = typename Pack<V>::Mask;
-template <class V>
-struct RunPack {
-  using type = V;
-};
-template <class V>
-using run_pack_t = typename RunPack<V>::type;
-template <class V>
-PM_HD mask_t<V> first_lanes(int n) {
-  return Pack<V>::first(n);
-}
-
-// ---- W numbers (GCC, Clang) ----------------------------------------------------------------------
 
 #if defined(__AVX2__) && !defined(__CUDACC__)
 #define POCKMARK_LANES 1
@@ -74,7 +29,7 @@ struct LaneVector {
   typedef T in_memory __attribute__((vector_size(bytes), aligned(alignof(T))));
 };
 
-// Masks are for packs of the full width.
+// Only packs of the full width have masks: a comparison of narrower ones does not compile.
 template <class T, int bytes = lane_bytes>
 struct Lanes {
   static constexpr int width = bytes / int(sizeof(T));
@@ -89,9 +44,18 @@ struct Lanes {
   PM_HD friend Lanes operator*(Lanes a, Lanes b) { return Lanes(a.v * b.v); }
   PM_HD friend Lanes operator/(Lanes a, Lanes b) { return Lanes(a.v / b.v); }
   PM_HD friend Lanes operator-(Lanes a) { return Lanes(-a.v); }
-  PM_HD Lanes& operator+=(Lanes b) { return v += b.v, *this; }
-  PM_HD Lanes& operator-=(Lanes b) { return v -= b.v, *this; }
-  PM_HD Lanes& operator*=(Lanes b) { return v *= b.v, *this; }
+  PM_HD Lanes& operator+=(Lanes b) {
+    v += b.v;
+    return *this;
+  }
+  PM_HD Lanes& operator-=(Lanes b) {
+    v -= b.v;
+    return *this;
+  }
+  PM_HD Lanes& operator*=(Lanes b) {
+    v *= b.v;
+    return *this;
+  }
   PM_HD friend LaneMask<T> operator<(Lanes a, Lanes b) { return LaneMask<T>::less(a, b); }
   PM_HD friend LaneMask<T> operator<=(Lanes a, Lanes b) { return LaneMask<T>::less_equal(a, b); }
   PM_HD friend LaneMask<T> operator>(Lanes a, Lanes b) { return b < a; }
@@ -110,7 +74,7 @@ PM_HD __m512d blend(unsigned m, __m512d yes, __m512d no) {
 PM_HD __m512 blend(unsigned m, __m512 yes, __m512 no) { return _mm512_mask_blend_ps(__mmask16(m), no, yes); }
 PM_HD __m512d vector_root(__m512d x) { return _mm512_maskz_sqrt_pd(0xff, x); }
 PM_HD __m512 vector_root(__m512 x) { return _mm512_maskz_sqrt_ps(0xffff, x); }
-// The last argument says how wide.
+// The last argument says by its type how wide a pack is.
 PM_HD __m512d masked_load(unsigned m, const double* at, __m512d) {
   return _mm512_maskz_loadu_pd(__mmask8(m), at);
 }
@@ -214,7 +178,12 @@ struct Pack<Lanes<T, bytes>> {
     return n == width ? load(at) : V(typename V::Raw(masked_load(lanes(n), at, typename V::Raw{})));
   }
   PM_HD static void store(T* at, V v) { *reinterpret_cast<InMemory*>(at) = v.v; }
-  PM_HD static void store(T* at, V v, int n) { n == width ? store(at, v) : masked_store(lanes(n), at, v.v); }
+  PM_HD static void store(T* at, V v, int n) {
+    if (n == width)
+      store(at, v);
+    else
+      masked_store(lanes(n), at, v.v);
+  }
 
  private:
 #ifdef __AVX512F__
@@ -224,87 +193,24 @@ struct Pack<Lanes<T, bytes>> {
 #endif
 };
 
-// A pack for the points of a run. It seldom has more than eight points, which fill half of the widest pack of
-// floats.
+// A pack for the points of a bundle. A bundle seldom has more than eight points, which fill half of the
+// widest pack of floats.
 template <>
-struct RunPack<Lanes<float>> {
+struct BundlePack<Lanes<float>> {
   using type = Lanes<float, 32>;
 };
 
+// The pack that the CPU's driver computes with.
+inline constexpr bool has_lanes = true;
+template <class T>
+using WidestPack = Lanes<T>;
+
+#else
+
+inline constexpr bool has_lanes = false;
+template <class T>
+using WidestPack = T;
+
 #endif
-
-// ---- two of either, side by side -----------------------------------------------------------------
-
-// For long chains of operations that wait for each other: two packs take little longer than one.
-template <class M>
-struct TwiceMask {
-  M a, b;
-  PM_HD friend TwiceMask operator&&(TwiceMask x, TwiceMask y) { return {x.a && y.a, x.b && y.b}; }
-  PM_HD friend TwiceMask operator||(TwiceMask x, TwiceMask y) { return {x.a || y.a, x.b || y.b}; }
-  PM_HD friend TwiceMask operator!(TwiceMask x) { return {!x.a, !x.b}; }
-};
-template <class V>
-struct Twice {
-  using Mask = TwiceMask<mask_t<V>>;
-  V a, b;
-
-  Twice() = default;
-  PM_HD Twice(V a_, V b_) : a(a_), b(b_) {}
-  PM_HD Twice(number_t<V> s) : a(s), b(s) {}
-  PM_HD friend Twice operator+(Twice x, Twice y) { return {x.a + y.a, x.b + y.b}; }
-  PM_HD friend Twice operator-(Twice x, Twice y) { return {x.a - y.a, x.b - y.b}; }
-  PM_HD friend Twice operator*(Twice x, Twice y) { return {x.a * y.a, x.b * y.b}; }
-  PM_HD friend Twice operator/(Twice x, Twice y) { return {x.a / y.a, x.b / y.b}; }
-  PM_HD friend Twice operator-(Twice x) { return {-x.a, -x.b}; }
-  PM_HD friend Mask operator<(Twice x, Twice y) { return {x.a < y.a, x.b < y.b}; }
-  PM_HD friend Mask operator<=(Twice x, Twice y) { return {x.a <= y.a, x.b <= y.b}; }
-  PM_HD friend Mask operator>(Twice x, Twice y) { return y < x; }
-};
-template <class V>
-struct Pack<Twice<V>> {
-  using Number = number_t<V>;
-  using Mask = typename Twice<V>::Mask;
-  PM_HD static Mask mask(bool b) { return {Pack<V>::mask(b), Pack<V>::mask(b)}; }
-};
-template <class M, class V>
-PM_HD Twice<V> select(TwiceMask<M> m, const Twice<V>& yes, const Twice<V>& no) {
-  return {select(m.a, yes.a, no.a), select(m.b, yes.b, no.b)};
-}
-template <class M>
-PM_HD bool any(TwiceMask<M> m) {
-  return any(m.a || m.b);
-}
-
-// ---- of both -------------------------------------------------------------------------------------
-
-template <class V>
-PM_HD V max(V a, V b) {
-  return select(a < b, b, a);
-}
-template <class V>
-PM_HD V min(V a, V b) {
-  return select(b < a, b, a);
-}
-template <class V>
-PM_HD V absolute(V a) {
-  return max(a, -a);
-}
-// Sum and largest of all lanes, in double.
-template <class V>
-PM_HD double sum_of(V v) {
-  number_t<V> at[Pack<V>::width];
-  Pack<V>::store(at, v);
-  double sum = 0;
-  for (const auto x : at) sum += double(x);
-  return sum;
-}
-template <class V>
-PM_HD double largest_of(V v) {
-  number_t<V> at[Pack<V>::width];
-  Pack<V>::store(at, v);
-  double largest = double(at[0]);
-  for (const auto x : at) largest = double(x) > largest ? double(x) : largest;
-  return largest;
-}
 
 }  // namespace pockmark

@@ -79,12 +79,11 @@ inline Constants completed(const Declaration& law, Constants given) {
   };
   std::size_t known = 0;
   for (const auto& c : law.constants) {
-    if (given.has(c.name))
-      ++known;
-    else if (std::isnan(c.fallback))
-      fault(std::string(c.name) + ": is missing");
-    else
-      given.set(c.name, c.fallback), ++known;
+    if (!given.has(c.name)) {
+      if (std::isnan(c.fallback)) fault(std::string(c.name) + ": is missing");
+      given.set(c.name, c.fallback);
+    }
+    ++known;
     const double value = given[c.name];
     if (!std::isfinite(value) || (c.least >= 0 && value < 0)) fault(c.name + text(": found %g", value));
   }

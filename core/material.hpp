@@ -50,12 +50,12 @@ struct Material {
   PM_HD bool deviator_per_initial_volume() const {
     return strength.visit([](const auto& s) { return s.per_initial_volume; });
   }
-  // At a point's conditions.
+  // Returns the shear modulus at a point's conditions.
   template <class V>
   PM_HD V shear(const Conditions<V>& conditions) const {
     return strength.visit([&](const auto& s) PM_INLINE { return V(shear_modulus_of(s, conditions)); });
   }
-  // Whether a trial stress, of which the square is given, may be beyond the yield surface.
+  // Returns whether a trial stress, of which the square is given, may be beyond the yield surface.
   template <class V>
   PM_HD mask_t<V> may_yield(V trial_squared, const Conditions<V>& conditions) const {
     return strength.visit([&]<class Law>(const Law& s) PM_INLINE {
@@ -67,7 +67,8 @@ struct Material {
       }
     });
   }
-  // P is V, or two of them: the iteration is one long chain.
+  // Returns the plastic strain that takes a trial stress to the yield surface. P is V, or two of them side by
+  // side: the iteration is one long chain.
   template <class P>
   PM_HD PlasticReturn<P> return_map(P trial, P plastic_strain, const Conditions<P>& conditions, T dt) const {
     return strength.visit(
@@ -79,7 +80,7 @@ struct Material {
   PM_HD bool fails_without_flow() const {
     return failure.visit([](const auto& f) { return !f.needs_flow; });
   }
-  // Which points a law that needs no plastic flow may damage.
+  // Returns which points a law that needs no plastic flow may damage.
   template <class V>
   PM_HD mask_t<V> may_fail(V mean_stress) const {
     return failure.visit([&]<class Law>(const Law& f) PM_INLINE {
@@ -89,7 +90,7 @@ struct Material {
         return f.may_act(mean_stress);
     });
   }
-  // Whether the equation of state limits its compression at V/V0 = ratio.
+  // Returns whether the equation of state limits its compression at V/V0 = ratio.
   PM_HD bool capped(T ratio) const {
     return any(eos.visit([&](const auto& e) { return e.at(Compression<T>::of(ratio - T(1)), T(0)).capped; }));
   }
@@ -115,9 +116,12 @@ struct MaterialSpec {
     choose(m.strength, strength, "strength");
     choose(m.failure, failure, "failure");
     m.density = T(density);
-    m.specific_heat = T(specific_heat), m.taylor_quinney = T(taylor_quinney);
-    m.t_room = T(room_temperature), m.t_melt = T(melt_temperature);
-    m.q_quadratic = T(q_quadratic), m.q_linear = T(q_linear);
+    m.specific_heat = T(specific_heat);
+    m.taylor_quinney = T(taylor_quinney);
+    m.t_room = T(room_temperature);
+    m.t_melt = T(melt_temperature);
+    m.q_quadratic = T(q_quadratic);
+    m.q_linear = T(q_linear);
     m.specific_volume = T(1) / m.density;
     m.least_energy = T(-0.001) * m.density * m.specific_heat * m.t_room;
     m.bulk_modulus = m.eos.visit([](const auto& e) { return e.at(Compression<T>::of(T(0)), T(0)).by_mu; });

@@ -28,7 +28,7 @@ class OneOf {
       return f(first_);
   }
 
-  // f.template operator()<Law>() for each law of the list.
+  // Calls f.template operator()<Law>() for each law of the list.
   template <class F>
   static void for_each(F&& f) {
     f.template operator()<First>();

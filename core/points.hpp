@@ -49,7 +49,7 @@ struct Points {
 
   PM_HD T* at(Field field, int component = 0) const { return components[first_component(field) + component]; }
 
-  // Of point p, or of the n points from p on in the lanes of V.
+  // Return a field of point p, or of the n points from p on in the lanes of V.
   template <class V = T>
   PM_HD V load(Field field, std::size_t p, int n = Pack<V>::width, int component = 0) const {
     return Pack<V>::load(at(field, component) + p, n);
@@ -74,7 +74,7 @@ struct Points {
             load<V>(Field::plastic_strain, p, n), load<V>(Field::temperature, p, n),
             load<V>(Field::damage, p, n),         deviator<V>(p, n)};
   }
-  // What each stage of an update changes.
+  // Store what a stage of the stress update changes.
   template <class V>
   PM_HD void store_deviator(std::size_t p, const PointState<V>& s, int n = Pack<V>::width) const {
     const V d[6] = {s.deviator.xx, s.deviator.yy, s.deviator.zz, s.deviator.xy, s.deviator.yz, s.deviator.zx};
@@ -108,7 +108,7 @@ struct Points {
   }
 };
 
-// The arrays of the points.
+// What owns the arrays of the points.
 template <class T>
 struct PointStore {
   std::array<Array<T>, component_count> components;
@@ -116,11 +116,13 @@ struct PointStore {
   std::vector<std::uint32_t> id, cell;
 
   std::size_t size() const { return body.size(); }
-  // f(array) for each of them.
+  // Calls f(array) for each of them.
   template <class F>
   void for_each_array(F&& f) {
     for (auto& component : components) f(component);
-    f(body), f(id), f(cell);
+    f(body);
+    f(id);
+    f(cell);
   }
   void reserve(std::size_t count) {
     for_each_array([&](auto& array) { array.reserve(count); });
@@ -128,14 +130,20 @@ struct PointStore {
   void resize(std::size_t count) {
     for_each_array([&](auto& array) { array.resize(count); });
   }
-  // See Machine::for_each_part. Components are called by their field, with a number where it has several.
+  // See Machine::for_each_part. A component has the name of its field, with a number where the field has
+  // several.
   template <class F>
   void for_each_part(F&& f) {
     for (const FieldInfo& info : field_table)
-      for (int c = 0; c < info.components; ++c)
-        f("points." + std::string(info.name) + (info.components > 1 ? "." + std::to_string(c) : ""),
-          components[first_component(info.field) + c]);
-    f("points.body", body), f("points.id", id), f("points.cell", cell);
+      for (int c = 0; c < info.components; ++c) {
+        std::string name = "points.";
+        name += info.name;
+        if (info.components > 1) name += std::string(1, '.') + char('0' + c);
+        f(name, components[first_component(info.field) + c]);
+      }
+    f("points.body", body);
+    f("points.id", id);
+    f("points.cell", cell);
   }
   bool is_whole() const {
     return std::ranges::all_of(components, [&](const auto& c) { return c.size() == size(); }) &&
@@ -144,7 +152,10 @@ struct PointStore {
   Points<T> view() {
     Points<T> points;
     for (int c = 0; c < component_count; ++c) points.components[c] = components[c].data();
-    points.body = body.data(), points.id = id.data(), points.cell = cell.data(), points.count = size();
+    points.body = body.data();
+    points.id = id.data();
+    points.cell = cell.data();
+    points.count = size();
     return points;
   }
 };

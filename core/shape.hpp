@@ -14,8 +14,10 @@ struct Linear {
   static constexpr T offset = 0;
   template <class V>
   PM_HD static void weights(V f, V* w, V* slope) {
-    w[0] = T(1) - f, w[1] = f;
-    slope[0] = V(-1), slope[1] = V(1);
+    w[0] = T(1) - f;
+    w[1] = f;
+    slope[0] = V(-1);
+    slope[1] = V(1);
   }
 };
 
@@ -27,8 +29,12 @@ struct Quadratic {
   template <class V>
   PM_HD static void weights(V f, V* w, V* slope) {
     const V a = T(1.5) - f, b = f - T(1), c = f - T(0.5);
-    w[0] = T(0.5) * a * a, w[1] = T(0.75) - b * b, w[2] = T(0.5) * c * c;
-    slope[0] = -a, slope[1] = T(-2) * b, slope[2] = c;
+    w[0] = T(0.5) * a * a;
+    w[1] = T(0.75) - b * b;
+    w[2] = T(0.5) * c * c;
+    slope[0] = -a;
+    slope[1] = T(-2) * b;
+    slope[2] = c;
   }
 };
 

@@ -8,10 +8,18 @@ template <class T>
 struct Vec3 {
   T x{}, y{}, z{};
 
-  PM_HD T& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
-  PM_HD T operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+  PM_HD T& operator[](int axis) {
+    if (axis == 0) return x;
+    return axis == 1 ? y : z;
+  }
+  PM_HD T operator[](int axis) const {
+    if (axis == 0) return x;
+    return axis == 1 ? y : z;
+  }
   PM_HD Vec3& operator+=(const Vec3& b) {
-    x += b.x, y += b.y, z += b.z;
+    x += b.x;
+    y += b.y;
+    z += b.z;
     return *this;
   }
 };
@@ -39,14 +47,18 @@ struct Quad {
   Four<T> v{};
 
   PM_HD Vec3<T> vector() const { return {v[0], v[1], v[2]}; }
-  PM_HD void set_vector(const Vec3<T>& a) { v[0] = a.x, v[1] = a.y, v[2] = a.z; }
+  PM_HD void set_vector(const Vec3<T>& a) {
+    v[0] = a.x;
+    v[1] = a.y;
+    v[2] = a.z;
+  }
   PM_HD Quad& operator+=(const Quad& b) {
     v += b.v;
     return *this;
   }
 };
 
-// a += f b, the one operation of every transfer.
+// Adds f b to a: the one operation of every transfer.
 template <class T>
 PM_HD void add_scaled(Quad<T>& a, T f, const Quad<T>& b) {
   a.v += f * b.v;
@@ -79,7 +91,7 @@ template <class T>
 PM_HD T double_dot(const Sym3<T>& a, const Sym3<T>& b) {
   return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + T(2) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
 }
-// von Mises effective stress of a deviator, sqrt(3/2 s:s), and its square.
+// Return the von Mises effective stress of a deviator, sqrt(3/2 s:s), and its square.
 template <class T>
 PM_HD T effective_squared(const Sym3<T>& s) {
   return T(1.5) * double_dot(s, s);
@@ -89,8 +101,8 @@ PM_HD T effective(const Sym3<T>& s) {
   return root(effective_squared(s));
 }
 
-// What a velocity gradient does to a point in a time dt, with what of it takes a division: done here, while
-// the next point's gradient is on its way, and not where stresses wait for it.
+// What a velocity gradient does to a point in a time dt. What takes a division is found here, while the next
+// point's gradient is on its way, and not where stresses would wait for it.
 template <class T>
 struct Strain {
   Sym3<T> small;      // D dt
@@ -103,7 +115,8 @@ struct Strain {
     const T opened = trace(small), shrunk = T(1) - T(0.5) * opened;
     const T turned = T(1) + dot(half_turn, half_turn);
     const T share = T(1) / (turned * shrunk);  // one division for two
-    growth = opened * (share * turned), turn = T(2) * (share * shrunk);
+    growth = opened * (share * turned);
+    turn = T(2) * (share * shrunk);
   }
 };
 
@@ -113,8 +126,8 @@ PM_HD Sym3<T> select(M m, const Sym3<T>& a, const Sym3<T>& b) {
           select(m, a.xy, b.xy), select(m, a.yz, b.yz), select(m, a.zx, b.zx)};
 }
 
-// R s R^T, R the Cayley (Hughes-Winget) rotation of the spin increment: exactly orthogonal, so a rigid
-// rotation never changes the norm of the stress. `half` is half of the angle, `f` 2/(1 + half^2).
+// Returns R s R^T, R the Cayley (Hughes-Winget) rotation of the spin increment: exactly orthogonal, so a
+// rigid rotation never changes the norm of the stress. `half` is half of the angle, `f` 2/(1 + half^2).
 template <class T>
 PM_HD Sym3<T> rotate(const Sym3<T>& s, const Vec3<T>& half, T f) {
   const T a = half.x, b = half.y, c = half.z, fa = f * a, fb = f * b, fc = f * c;

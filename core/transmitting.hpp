@@ -30,7 +30,8 @@ struct AnchorageView {
     int low[3], high[3];
     for (int a = 0; a < 3; ++a) {
       const int reach = a == axis ? 0 : 1;
-      low[a] = max(cell[a] - reach, 0), high[a] = min(cell[a] + reach, grid.nodes(a) - 1);
+      low[a] = max(cell[a] - reach, 0);
+      high[a] = min(cell[a] + reach, grid.nodes(a) - 1);
     }
     for (int i = low[0]; i <= high[0]; ++i)
       for (int j = low[1]; j <= high[1]; ++j)
@@ -50,7 +51,8 @@ class Anchorage {
   template <class T>
   void begin(const GridGeometry<T>& grid, std::size_t bodies) {
     flies_.resize(bodies);
-    held_.assign(grid.node_count(), 1), filled_.assign(grid.node_count(), 0);
+    held_.assign(grid.node_count(), 1);
+    filled_.assign(grid.node_count(), 0);
   }
   AnchorageView view() { return {flies_.data(), held_.data(), filled_.data()}; }
   // Gives up the cells in which nothing was noted since the last time.
@@ -65,42 +67,43 @@ class Anchorage {
   std::vector<std::uint8_t> flies_, held_, filled_;
 };
 
-// The share of a point, `depth` cells behind a face, in the layer of one cell there. It ends on a short
-// slope, not on the last bit of a place.
+// Returns how much of a point, `depth` cells behind a face, counts in the layer of one cell there. The layer
+// ends on a short slope, so that no result depends on the last bit of a place.
 template <class T>
 PM_HD T share_of_layer(T depth) {
   constexpr T half_slope = T(1) / 16;
   return min(max((T(1) + half_slope - depth) / (2 * half_slope), T(0)), T(1));
 }
 
-// Transmitting face (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the face. A point in the
-// layer of cells behind the face stands for the area V/h; projected onto the face it shares it among the
-// nodes there, so edges get a half and corners a quarter without special cases.
+// Adds the damping of transmitting faces (Eqs. 14-15 through Eq. 10): t = -rho c_d v_n - rho c_s v_t on the
+// face. A point in the layer of cells behind the face stands for the area V/h. It is projected onto the face
+// and shares the area among the nodes there, so edges get a half and corners a quarter without special cases.
 template <class Shape, class T>
-void add_damping(const Points<T>& points, const GridGeometry<T>& grid, const Faces& faces, const Run& run,
-                 const Damper<T>* dampers, const AnchorageView& anchorage, Damping<T> damping) {
-  Quad<T>* nodes = damping.data + grid.field_of(run.node);
+void add_damping(const Points<T>& points, const GridGeometry<T>& grid, const Faces& faces,
+                 const Bundle& bundle, const Damper<T>* dampers, const AnchorageView& anchorage,
+                 Damping<T> damping) {
+  Quad<T>* nodes = damping.data + grid.field_of(bundle.node);
   bool near = false;
   for (int a = 0; a < 3; ++a)
-    near = near || run.base[a] <= grid.pad + 1 || run.base[a] >= grid.pad + grid.cells[a] - 3;
+    near = near || bundle.base[a] <= grid.pad + 1 || bundle.base[a] >= grid.pad + grid.cells[a] - 3;
   if (!near) return;
   for (int face = 0; face < 6; ++face) {
     const int axis = face / 2;
     if (faces[face] != Face::transmitting) continue;
     const int layer = face % 2 ? grid.pad + grid.cells[axis] - 1 : grid.pad;
-    if (run.base[axis] < layer - 2 || run.base[axis] > layer + 1)
-      continue;  // no point of this run reaches the layer
-    for (std::size_t p = run.begin; p < run.end; ++p) {
+    if (bundle.base[axis] < layer - 2 || bundle.base[axis] > layer + 1)
+      continue;  // no point of this bundle reaches the layer
+    for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
       Vec3<T> f = points.vector(Field::place, p);
       if (anchorage.flies[points.body[p]]) continue;
-      const T depth = std::abs(T(run.base[axis] - (layer + face % 2)) + f[axis]);
+      const T depth = std::abs(T(bundle.base[axis] - (layer + face % 2)) + f[axis]);
       const T share = share_of_layer(depth);
       if (!(share > T(0))) continue;
       int cell[3];
-      for (int a = 0; a < 3; ++a) cell[a] = a == axis ? layer : run.base[a] + int(std::floor(f[a]));
+      for (int a = 0; a < 3; ++a) cell[a] = a == axis ? layer : bundle.base[a] + int(std::floor(f[a]));
       if (!anchorage.note(grid, cell, axis)) continue;
       // Projected onto the face; the linear stencil of an upper face ends on it.
-      int base[3] = {run.base[0], run.base[1], run.base[2]};
+      int base[3] = {bundle.base[0], bundle.base[1], bundle.base[2]};
       base[axis] = Shape::support == 2 ? layer : layer + face % 2 - 1;
       f[axis] = T(layer + face % 2 - base[axis]);
       const Stencil<Shape, T> n(f, grid.per_metre);

@@ -1,4 +1,4 @@
-// Points in blocks, and blocks in runs: which the CPU makes anew where points change their cells.
+// Blocks of points and the bundles in them: the CPU makes them anew where points change their cells.
 #pragma once
 #include <algorithm>
 #include <vector>
@@ -7,20 +7,25 @@
 
 namespace pockmark::cpu {
 
-// Blocks, and their runs in the same order.
+// Blocks, and their bundles in the same order.
 struct Groups {
   std::vector<Block> blocks;
-  std::vector<Run> runs;
-  void clear() { blocks.clear(), runs.clear(); }
+  std::vector<Bundle> bundles;
+  void clear() {
+    blocks.clear();
+    bundles.clear();
+  }
   void add(const Block& block) {
-    runs.insert(runs.end(), block.runs, block.runs + block.run_count);
+    bundles.insert(bundles.end(), block.bundles, block.bundles + block.bundle_count);
     blocks.push_back(block);
   }
-  // The runs may have moved in memory.
-  void link(std::size_t first_block, std::size_t first_run) {
-    const Run* first = runs.data() + first_run;
-    for (std::size_t b = first_block; b < blocks.size(); ++b)
-      blocks[b].runs = first, first += blocks[b].run_count;
+  // Points blocks at their bundles anew: these may have moved in memory.
+  void link(std::size_t first_block, std::size_t first_bundle) {
+    const Bundle* first = bundles.data() + first_bundle;
+    for (std::size_t b = first_block; b < blocks.size(); ++b) {
+      blocks[b].bundles = first;
+      first += blocks[b].bundle_count;
+    }
   }
 };
 
@@ -32,14 +37,15 @@ std::size_t add_block(const Points<T>& points, const GridGeometry<T>& grid, Grou
   Block block{p, p, true, 0, nullptr};
   end = std::min(end, p + Block::most);
   while (block.end < end && points.cell[block.end] != gone) {
-    Run run;
-    run.begin = block.end, run.node = points.cell[run.begin];
-    grid.split(run.node, run.base);
-    while (++block.end < end && points.cell[block.end] == run.node) {
+    Bundle bundle;
+    bundle.begin = block.end;
+    bundle.node = points.cell[bundle.begin];
+    grid.split(bundle.node, bundle.base);
+    while (++block.end < end && points.cell[block.end] == bundle.node) {
     }
-    run.end = block.end;
-    groups.runs.push_back(run);
-    ++block.run_count;
+    bundle.end = block.end;
+    groups.bundles.push_back(bundle);
+    ++block.bundle_count;
   }
   unsigned differs = 0;
   for (std::size_t q = p; q < block.end; ++q) differs |= points.body[q] ^ points.body[p];
@@ -48,7 +54,7 @@ std::size_t add_block(const Points<T>& points, const GridGeometry<T>& grid, Grou
   return block.end;
 }
 
-// Splits points into blocks.
+// Adds the blocks of the points from `begin` to before `end`.
 template <class T>
 void add_blocks(const Points<T>& points, const GridGeometry<T>& grid, Groups& groups, std::size_t begin,
                 std::size_t end) {

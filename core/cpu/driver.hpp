@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-#include "../update.hpp"
+#include "../motion.hpp"
 #include "prefetch.hpp"
 #include "scatter.hpp"
 #include "sort.hpp"
@@ -11,8 +11,8 @@
 
 namespace pockmark::cpu {
 
-// `V`: what the kernels compute with, a pack of numbers or a number. Its members are those of
-// core/driver.hpp.
+// Does what core/driver.hpp asks of a driver. `V` is what the kernels compute with: a pack of numbers, or a
+// number.
 template <class T, class V>
 class Driver {
  public:
@@ -28,14 +28,17 @@ class Driver {
     for (auto& buffer : buffers_) buffer.assign(grid.field_count * grid.node_count(), {});
   }
   void reserve(std::size_t count) { store_.reserve(count); }
-  void resize(std::size_t count) { store_.resize(count), points_ = store_.view(); }
+  void resize(std::size_t count) {
+    store_.resize(count);
+    points_ = store_.view();
+  }
   const Points<T>& points() const { return points_; }
   template <Nodal quantity>
   NodeField<T, quantity> nodes(int buffer) {
     return {buffers_[buffer].data()};
   }
 
-  // How many partial results a loop leaves. They are added up in their order, so that no sum depends on the
+  // A slot is a tile. Its results are added up in the order of the tiles, so that no sum depends on the
   // number of threads.
   int slots() const { return tiles_.count(); }
   bool is_awake(int slot) const { return !tiles_.sleeps(slot); }
@@ -87,15 +90,16 @@ class Driver {
     tiles_.locate(points_, grid_);
     tiles_.split(points_, grid_, support, threads_);
     tiles_.renew_spans();
-    sorted_runs_ = std::int64_t(tiles_.run_count()), disorder_ = 0;
+    sorted_bundles_ = std::int64_t(tiles_.bundle_count());
+    disorder_ = 0;
     ++sorts_;
   }
-  // Points are sorted by cell again when that pays: once the runs that disorder has added since, step by
-  // step, have cost as much; and when one has strayed too far from its tile.
+  // Sorts the points by cell again when that pays: once the bundles that disorder has added since the last
+  // sort have cost as much, summed over the steps. Sorts also when a point has strayed too far from its tile.
   bool arrange(int support, bool is_start) {
     tiles_.renew_spans();
-    disorder_ += std::max(std::int64_t(tiles_.run_count()) - sorted_runs_, std::int64_t(0));
-    const bool sorts = points_per_run_cost * disorder_ > std::int64_t(points_.count) || !tiles_.hold();
+    disorder_ += std::max(std::int64_t(tiles_.bundle_count()) - sorted_bundles_, std::int64_t(0));
+    const bool sorts = points_per_bundle_cost * disorder_ > std::int64_t(points_.count) || !tiles_.hold();
     if (sorts) sort(support);
     return (may_sleep_ && tiles_.send_to_sleep(is_start, [&](int tile) { return rests(tile); })) || sorts;
   }
@@ -105,9 +109,13 @@ class Driver {
   template <class F>
   void for_each_part(F&& f, int support) {
     store_.for_each_part(f);
-    f("order.sorted_runs", sorted_runs_), f("order.disorder", disorder_), f("order.sorts", sorts_);
+    f("order.sorted_runs", sorted_bundles_);
+    f("order.disorder", disorder_);
+    f("order.sorts", sorts_);
     auto order = tiles_.order();
-    f("order.blocks", order.blocks), f("order.begin", order.begin), f("order.end", order.end);
+    f("order.blocks", order.blocks);
+    f("order.begin", order.begin);
+    f("order.end", order.end);
     f("order.rest", order.rest);
     if constexpr (!std::remove_cvref_t<F>::restores) return;
     if (!store_.is_whole()) throw std::invalid_argument("points: arrays of different lengths");
@@ -123,15 +131,16 @@ class Driver {
         tiles_.for_each_block(tile, [&](int, const Block& block) { sum += block.end - block.begin; });
     return sum;
   }
-  // Bytes of the points (fields, body, id, cell; the sort's scratch; runs) and of the nodes.
+  // Return the bytes of the points (fields, body, id, cell; the sort's scratch; bundles) and of the nodes.
   std::size_t point_bytes() const {
     const std::size_t one = component_count * sizeof(T) + 9;
-    return points_.count * (one + sizeof(T) + 9) + tiles_.run_count() * sizeof(Run);
+    return points_.count * (one + sizeof(T) + 9) + tiles_.bundle_count() * sizeof(Bundle);
   }
   std::size_t node_bytes() const { return buffers_[0].size() * (buffers_.size() * sizeof(Quad<T>) + 4); }
 
  private:
-  static constexpr std::int64_t points_per_run_cost = 3;  // what a run costs in a step, in points sorted
+  static constexpr std::int64_t points_per_bundle_cost =
+      3;  // what a bundle costs in a step, in points sorted
 
   bool rests(int tile) const {
     bool all = true;
@@ -148,7 +157,7 @@ class Driver {
   std::array<Array<Quad<T>>, 4> buffers_;
   Tiles tiles_;
   Sorter<T> sorter_;
-  std::int64_t sorted_runs_ = 0, disorder_ = 0, sorts_ = 0;
+  std::int64_t sorted_bundles_ = 0, disorder_ = 0, sorts_ = 0;
 };
 
 }  // namespace pockmark::cpu

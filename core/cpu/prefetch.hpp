@@ -6,8 +6,8 @@
 namespace pockmark::cpu {
 
 struct Prefetch {
-  // Asks for fields of the points a few blocks on from p. Each pass asks for a share of what the passes after
-  // it read: the queue of lines under way is short.
+  // Asks for fields of the points three blocks on from p. Each pass asks for a share of what the passes after
+  // it read: the processor keeps few lines under way at a time.
   template <Pass pass, class T>
   PM_HD static void before(const Points<T>& points, std::size_t p) {
     if constexpr (pass == Pass::gradient) ask(points, p, Field::place);
@@ -23,7 +23,7 @@ struct Prefetch {
   }
 
  private:
-  static constexpr std::size_t ahead = 144;
+  static constexpr std::size_t ahead = 3 * Block::most;
 
   template <class T, class... Fields>
   PM_HD static void ask(const Points<T>& points, std::size_t p, Fields... fields) {
@@ -31,7 +31,6 @@ struct Prefetch {
   }
   template <class T>
   PM_HD static void ask_for(const Points<T>& points, std::size_t p, Field field) {
-#pragma GCC unroll 6
     for (int c = first_component(field); c < field_offsets[std::size_t(field) + 1]; ++c)
       __builtin_prefetch(points.components[c] + p + ahead, 1, 2);
   }

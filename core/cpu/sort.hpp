@@ -7,7 +7,7 @@
 
 namespace pockmark::cpu {
 
-// Drops the points that are gone.
+// Sorts the points, and drops those that are gone.
 template <class T>
 class Sorter {
  public:

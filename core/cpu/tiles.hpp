@@ -1,5 +1,5 @@
-// How the CPU walks points and nodes: tiles of the grid, seen along z, of four planes by eight rows; blocks
-// and runs of points in each; threads.
+// How the CPU walks points and nodes: the blocks and bundles of points in each tile of the grid (tiling.hpp),
+// and the threads that work on them.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -7,36 +7,30 @@
 #include <vector>
 
 #include "blocks.hpp"
+#include "tiling.hpp"
 
 namespace pockmark::cpu {
 
 class Tiles {
  public:
-  // A tile writes to its own planes and rows and, because points may have strayed by one since they were
-  // sorted and stencils are wide, to one before and three after. With four or more of each, tiles of one
-  // colour (even or odd in x and in y) never write to the same node, nor do tiles with one between them: no
-  // atomics, and sums do not depend on the number of threads.
-  static constexpr int planes = 4, rows = 8;
-
   // Points must be sorted by cell.
   template <class T>
   void locate(const Points<T>& points, const GridGeometry<T>& grid) {
-    nodes_ = {grid.nodes(0), grid.nodes(1), grid.nodes(2)};
-    along_ = (nodes_[0] + planes - 1) / planes, across_ = (nodes_[1] + rows - 1) / rows;
-    tiles_.resize(along_ * across_);
-    begin_.assign(grid.field_count * nodes_[0] * across_ + 1, points.count);
+    tiling_ = Tiling({grid.nodes(0), grid.nodes(1), grid.nodes(2)});
+    tiles_.resize(tiling_.count());
+    begin_.assign(grid.field_count * tiling_.nodes[0] * tiling_.across + 1, points.count);
     for (std::size_t field = 0; field < grid.field_count; ++field)
-      for (int i = 0; i < nodes_[0]; ++i)
-        for (int t = 0; t < across_; ++t) {
-          const std::uint64_t first_node = field * grid.node_count() + grid.index(i, t * rows, 0);
+      for (int i = 0; i < tiling_.nodes[0]; ++i)
+        for (int t = 0; t < tiling_.across; ++t) {
+          const std::uint64_t first_node = field * grid.node_count() + grid.index(i, t * Tiling::rows, 0);
           begin_[stretch(field, i, t)] =
               std::lower_bound(points.cell, points.cell + points.count, first_node) - points.cell;
         }
   }
   int count() const { return int(tiles_.size()); }
 
-  // The order of the points as a checkpoint keeps it: the blocks, tile by tile, and which tiles rest. Runs
-  // follow from the cells of the points. A sum of points depends on it.
+  // The order of the points as a checkpoint keeps it: the blocks, tile by tile, and which tiles rest. A sum
+  // over points depends on it. The bundles follow from the cells of the points.
   struct Order {
     std::vector<std::uint32_t> blocks;  // of each tile, how many
     std::vector<std::uint32_t> begin, end;
@@ -47,8 +41,10 @@ class Tiles {
     for (const Tile& tile : tiles_) {
       order.blocks.push_back(std::uint32_t(tile.blocks.size()));
       order.rest.push_back(std::uint8_t(tile.rests + 2 * tile.sleeps + 4 * tile.idles));
-      for (const Block& block : tile.blocks)
-        order.begin.push_back(std::uint32_t(block.begin)), order.end.push_back(std::uint32_t(block.end));
+      for (const Block& block : tile.blocks) {
+        order.begin.push_back(std::uint32_t(block.begin));
+        order.end.push_back(std::uint32_t(block.end));
+      }
     }
     return order;
   }
@@ -67,38 +63,41 @@ class Tiles {
           throw std::invalid_argument("a block holds points that there are not");
         add_blocks(points, grid, tile, order.begin[b], order.end[b]);
       }
-      tile.rests = order.rest[t] & 1, tile.sleeps = order.rest[t] & 2, tile.idles = order.rest[t] & 4;
+      tile.rests = order.rest[t] & 1;
+      tile.sleeps = order.rest[t] & 2;
+      tile.idles = order.rest[t] & 4;
       tile.link(0, 0);
       find_touched(tile, support);
     }
     renew_spans();
   }
 
-  // Splits the points of every tile into blocks and runs. Points that are gone are in none.
+  // Splits the points of every tile into blocks and bundles. Points that are gone are in none.
   template <class T>
   void split(const Points<T>& points, const GridGeometry<T>& grid, int support, int threads) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int t = 0; t < count(); ++t) split_tile(points, grid, support, t);
   }
-  // What nodes the tiles touch from now on. To be called once a step, after points have moved.
+  // Finds which nodes the tiles touch from now on. To be called once a step, after points have moved.
   void renew_spans() {
     for (int t = 0; t < count(); ++t) {
       Span all;
-      for_each_neighbour(t, [&](int u) { all.cover(tiles_[u].touched); });
-      tiles_[t].stale.cover(tiles_[t].active), tiles_[t].active = all;
+      tiling_.for_each_neighbour(t, [&](int u) { all.cover(tiles_[u].touched); });
+      tiles_[t].stale.cover(tiles_[t].active);
+      tiles_[t].active = all;
     }
   }
   void forget_stale() {
     for (auto& tile : tiles_)
       if (!tile.idles) tile.stale = {};
   }
-  std::size_t run_count() const {
+  std::size_t bundle_count() const {
     std::size_t sum = 0;
-    for (const auto& tile : tiles_) sum += tile.runs.size();
+    for (const auto& tile : tiles_) sum += tile.bundles.size();
     return sum;
   }
 
-  // Whether every point is still within a plane and a row of its tile.
+  // Returns whether every point is still within a plane and a row of its tile.
   bool hold() const {
     return std::none_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.astray; });
   }
@@ -113,13 +112,13 @@ class Tiles {
       if (start || (tiles_[t].rests && !tiles_[t].sleeps)) tiles_[t].rests = rests(t);
     for (int t = 0; t < count(); ++t) {
       bool all = true;
-      for_each_neighbour(t, [&](int u) { all = all && tiles_[u].rests; });
+      tiling_.for_each_neighbour(t, [&](int u) { all = all && tiles_[u].rests; });
       changed = changed || tiles_[t].sleeps != all;
       tiles_[t].sleeps = all;
     }
     for (int t = 0; t < count(); ++t) {
       bool all = true;
-      for_each_neighbour(t, [&](int u) { all = all && tiles_[u].sleeps; });
+      tiling_.for_each_neighbour(t, [&](int u) { all = all && tiles_[u].sleeps; });
       tiles_[t].idles = all;
     }
     return changed;
@@ -133,41 +132,41 @@ class Tiles {
   void for_each_block(int t, F&& f) const {
     for (const Block& block : tiles_[t].blocks) f(t, block);
   }
-  // f(tile, block) for each block, of sleeping tiles too; tiles in parallel.
+  // Calls f(tile, block) for each block, of sleeping tiles too; tiles in parallel.
   template <class F>
   void visit(int threads, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int t = 0; t < count(); ++t) for_each_block(t, f);
   }
-  // f(tile, block) for each block that is awake; tiles in parallel. `F` may write to the points of the block
-  // only.
+  // Calls f(tile, block) for each block that is awake; tiles in parallel. `F` may write to the points of the
+  // block only.
   template <class F>
   void gather(int threads, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
     for (int t = 0; t < count(); ++t)
       if (!sleeps(t)) for_each_block(t, f);
   }
-  // As gather, but `F` may add to the nodes under the block.
+  // Does as gather does, but `F` may add to the nodes under the block.
   template <class F>
   void scatter(int threads, F&& f) const {
     by_colour(threads, [&](int t) { for_each_block(t, f); });
   }
-  // As scatter, for the blocks of sleeping tiles too.
+  // Does as scatter does, for the blocks of sleeping tiles too.
   template <class F>
   void scatter_all(int threads, F&& f) const {
     by_colour(threads, [&](int t) { for_each_block(t, f); }, true);
   }
-  // As scatter, where moved(tile, block) may move the points of a block and says whether one changed its
-  // cell: then its points are split again. then(tile, block) may add to the nodes under the blocks that
-  // result.
+  // Does as scatter does, where moved(tile, block) may move the points of a block and says whether one
+  // changed its cell: then its points are split again. then(tile, block) may add to the nodes under the
+  // blocks that result.
   template <class T, class F, class G>
   void regroup(const Points<T>& points, const GridGeometry<T>& grid, int support, int threads, F&& moved,
                G&& then) {
     by_colour(threads, [&](int t) { regroup_tile(points, grid, support, t, moved, then); });
   }
 
-  // f(tile, first node, end) over the nodes of each tile that points touch, line by line; `stale`: or touched
-  // before. Without the nodes that only sleeping points touch.
+  // Calls f(tile, first node, end) over the nodes of each tile that points touch, line by line; `stale`: or
+  // touched before. Without the nodes that only sleeping points touch.
   template <class T, class F>
   void for_each_line(const GridGeometry<T>& grid, int threads, bool stale, F&& f) const {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
@@ -178,7 +177,7 @@ class Tiles {
       if (span.begin >= span.end) continue;  // empty
       for (std::size_t field = 0; field < grid.field_count; ++field) {
         const std::size_t first = field * grid.node_count();
-        for_each_row(t, [&](int i, int j) {
+        tiling_.for_each_row(t, [&](int i, int j) {
           f(t, first + grid.index(i, j, span.begin), first + grid.index(i, j, span.end));
         });
       }
@@ -189,7 +188,10 @@ class Tiles {
   // Nodes along z.
   struct Span {
     int begin = INT32_MAX, end = INT32_MIN;
-    void cover(const Span& other) { begin = std::min(begin, other.begin), end = std::max(end, other.end); }
+    void cover(const Span& other) {
+      begin = std::min(begin, other.begin);
+      end = std::max(end, other.end);
+    }
   };
   struct Tile : Groups {
     Span touched;        // by its own points
@@ -198,40 +200,25 @@ class Tiles {
     bool astray = false;                                // a point is farther than a plane or a row away
   };
 
-  // f(tile) for each that is awake, or for all; a colour's in parallel.
+  // Calls f(tile) for each that is awake, or for all; a colour's in parallel.
   template <class F>
   void by_colour(int threads, F&& f, bool all = false) const {
     for (int colour = 0; colour < 4; ++colour) {
 #pragma omp parallel for schedule(dynamic) num_threads(threads)
       for (int t = 0; t < count(); ++t)
-        if ((all || !sleeps(t)) && t / across_ % 2 * 2 + t % across_ % 2 == colour) f(t);
+        if ((all || !sleeps(t)) && tiling_.colour(t) == colour) f(t);
     }
-  }
-
-  // f(plane, row) for each of a tile.
-  template <class F>
-  void for_each_row(int t, F&& f) const {
-    const int plane = t / across_ * planes, row = t % across_ * rows;
-    for (int i = plane; i < std::min(plane + planes, nodes_[0]); ++i)
-      for (int j = row; j < std::min(row + rows, nodes_[1]); ++j) f(i, j);
-  }
-  // f(tile) for the tile and those around it.
-  template <class F>
-  void for_each_neighbour(int t, F&& f) const {
-    const int a = t / across_, b = t % across_;
-    for (int i = std::max(a - 1, 0); i <= std::min(a + 1, along_ - 1); ++i)
-      for (int j = std::max(b - 1, 0); j <= std::min(b + 1, across_ - 1); ++j) f(i * across_ + j);
   }
 
   template <class T>
   void split_tile(const Points<T>& points, const GridGeometry<T>& grid, int support, int t) {
     Tile& tile = tiles_[t];
-    tile.clear(), tile.astray = false;
-    // The points of a tile are consecutive plane by plane, field by field.
-    const int first_plane = t / across_ * planes, end_plane = std::min(first_plane + planes, nodes_[0]);
+    tile.clear();
+    tile.astray = false;
+    // The points of a tile are consecutive in each plane of each velocity field.
     for (std::size_t field = 0; field < grid.field_count; ++field)
-      for (int i = first_plane; i < end_plane; ++i) {
-        const std::size_t at = stretch(field, i, t % across_);
+      for (int i = tiling_.first_plane(t); i < tiling_.end_plane(t); ++i) {
+        const std::size_t at = stretch(field, i, t % tiling_.across);
         add_blocks(points, grid, tile, begin_[at], begin_[at + 1]);
       }
     tile.link(0, 0);
@@ -245,7 +232,7 @@ class Tiles {
     Tile& tile = tiles_[t];
     bool changed = false;
     for (const Block& old : tile.blocks) {
-      const std::size_t first_block = fresh.blocks.size(), first_run = fresh.runs.size();
+      const std::size_t first_block = fresh.blocks.size(), first_bundle = fresh.bundles.size();
       if (!moved(t, old)) {
         fresh.add(old);
         then(t, old);
@@ -253,38 +240,39 @@ class Tiles {
       }
       changed = true;
       add_blocks(points, grid, fresh, old.begin, old.end);
-      fresh.link(first_block, first_run);
-      for (std::size_t b = first_block; b < fresh.blocks.size(); ++b)
-        within_reach(t, fresh.blocks[b]) ? then(t, fresh.blocks[b]) : void(tile.astray = true);
+      fresh.link(first_block, first_bundle);
+      for (std::size_t b = first_block; b < fresh.blocks.size(); ++b) {
+        if (within_reach(t, fresh.blocks[b]))
+          then(t, fresh.blocks[b]);
+        else
+          tile.astray = true;
+      }
     }
     if (!changed) return;
     std::swap(static_cast<Groups&>(tile), fresh);
     tile.link(0, 0);
     find_touched(tile, support);
   }
-  // Whether the points of a block are within a plane and a row of tile t.
+  // Returns whether the points of a block are within a plane and a row of tile t.
   bool within_reach(int t, const Block& block) const {
-    const int plane = t / across_ * planes, row = t % across_ * rows;
-    return std::all_of(block.runs, block.runs + block.run_count, [&](const Run& run) {
-      return run.base[0] >= plane - 1 && run.base[0] <= plane + planes && run.base[1] >= row - 1 &&
-             run.base[1] <= row + rows;
+    return std::all_of(block.bundles, block.bundles + block.bundle_count, [&](const Bundle& bundle) {
+      return tiling_.reaches(t, bundle.base[0], bundle.base[1]);
     });
   }
   void find_touched(Tile& tile, int support) const {
     tile.touched = {};
-    if (tile.runs.empty()) return;
-    for (const Run& run : tile.runs) tile.touched.cover({run.base[2], run.base[2] + support});
+    if (tile.bundles.empty()) return;
+    for (const Bundle& bundle : tile.bundles) tile.touched.cover({bundle.base[2], bundle.base[2] + support});
     // The image behind a mirror lies two nodes from the farthest node that it shows.
     tile.touched.begin = std::max(tile.touched.begin - 2, 0);
-    tile.touched.end = std::min(tile.touched.end + 2, nodes_[2]);
+    tile.touched.end = std::min(tile.touched.end + 2, tiling_.nodes[2]);
   }
-  // Where begin_ has the points of a field, a plane and a tile along y.
+  // Returns where begin_ has the points of a velocity field, a plane and a tile along y.
   std::size_t stretch(std::size_t field, int plane, int t) const {
-    return (field * nodes_[0] + plane) * across_ + t;
+    return (field * tiling_.nodes[0] + plane) * tiling_.across + t;
   }
 
-  int along_ = 1, across_ = 1;
-  std::array<int, 3> nodes_{};
+  Tiling tiling_;
   std::vector<Tile> tiles_;
   std::vector<std::size_t> begin_;  // see stretch
 };

@@ -15,7 +15,7 @@ struct Compression {
   V eta;    // 1 - rho0/rho
   V ratio;  // V/V0 = rho0/rho
 
-  // From V/V0 - 1, which keeps the digits of small strains.
+  // Makes one from V/V0 - 1, which keeps the digits of small strains.
   PM_HD static Compression of(V dilation) {
     const V ratio = V(1) + dilation;
     return {-dilation * (V(1) / ratio), -dilation, ratio};
@@ -29,7 +29,8 @@ struct EosPoint {
   V by_mu, by_energy;                       // its slopes, each with the other held
   mask_t<V> capped = Pack<V>::mask(false);  // the law limited the compression
 
-  // rho0 c^2, c^2 = dp/drho at constant entropy: dE = p rho0 drho / rho^2; p is the pressure that works.
+  // Returns rho0 c^2, c^2 = dp/drho at constant entropy: dE = p rho0 drho / rho^2, where p is the pressure
+  // that works.
   PM_HD V stiffness(V p, V ratio) const { return by_mu + by_energy * p * ratio * ratio; }
 };
 

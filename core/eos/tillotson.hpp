@@ -66,7 +66,7 @@ struct Tillotson {
     return c.mu < V(0) && V(E_iv) < energy;
   }
 
-  // What the energy adds near rest: b h E/w, and its slopes. Below rest w stays one.
+  // Returns what the energy adds near rest: b h E/w, and its slopes. Below rest w stays one.
   template <class V>
   PM_HD EosPoint<V> bound(const Compression<V>& c, V energy) const {
     const V h = V(1) + c.mu, heat = max(energy, V(0)) * c.ratio * c.ratio * (T(1) / E0);
@@ -90,7 +90,7 @@ struct Tillotson {
             a * energy + (bonds_slope + bonds * (T(2) * alpha) * nu * by_h) * fading,
             a * (V(1) + c.mu) + near.by_energy * fading};
   }
-  // Between the energies of incipient and of complete vaporisation.
+  // Returns the pressure between the energies of incipient and of complete vaporisation, and beyond.
   template <class V>
   PM_HD EosPoint<V> mixed(V energy, const EosPoint<V>& solid, const EosPoint<V>& gas) const {
     const T per_energy = T(1) / (E_cv - E_iv);

@@ -17,7 +17,7 @@ template <class T>
 class Contact {
  public:
   Contact(const GridGeometry<T>& grid, const Faces& faces, T friction)
-      : second_(grid.node_count()), friction_(friction), mirrors_(faces), slot_(second_, none) {
+      : second_(grid.node_count()), friction_(friction), mirrors_(faces), meeting_of_(second_, none) {
     // A body is the same behind a fixed face as behind a plane of symmetry.
     for (Face& face : mirrors_)
       if (face == Face::fixed) face = Face::symmetry;
@@ -34,9 +34,9 @@ class Contact {
     const std::size_t count = meetings_.size();
     if (Shape::support > 2) add_images(model.grid);
     driver.scatter([&](int, const Block& block) {
-      for_each_run(block, [&](const Run& run) {
+      for_each_bundle(block, [&](const Bundle& bundle) {
         add_reach<Shape>(
-            driver.points(), model.grid, run, [&](std::size_t node) { return at(node); }, volume);
+            driver.points(), model.grid, bundle, [&](std::size_t node) { return at(node); }, volume);
       });
     });
     take_back_images(count);
@@ -50,7 +50,7 @@ class Contact {
   void fit(Velocity<T> velocity) {
     for (Meeting<T>& m : meetings_) {
       const T approach = dot(relative(m, velocity), m.normal);
-      m.twice_fitted += exchange(m, velocity, m.beyond_closing(approach), T(0));
+      m.twice_fitted += stop(m, velocity, m.beyond_closing(approach), T(0));
     }
   }
 
@@ -59,12 +59,12 @@ class Contact {
     for (Meeting<T>& m : meetings_) {
       const T approach = dot(relative(m, after), m.normal), beyond = m.beyond_closing(approach);
       m.impulse = {};
-      if (beyond > T(0)) m.impulse = exchange(m, after, m.share_in_contact(approach) * beyond, friction_);
+      if (beyond > T(0)) m.impulse = stop(m, after, m.share_in_contact(approach) * beyond, friction_);
     }
   }
 
-  // Returns the kinetic energy (J) that the last step took from the points and paid no stress with: `final`
-  // is the points' velocity now, at the nodes (docs/theory.md, Eqs. 6 and 21).
+  // Returns the kinetic energy (J / Model::mass_unit) that the last step took from the points and paid no
+  // stress with: `final` is the points' velocity now, at the nodes (docs/theory.md, Eqs. 6 and 21).
   double taken(Velocity<T> before_forces, Velocity<T> after, Velocity<T> final) const {
     double sum = 0;
     for (const Meeting<T>& m : meetings_) {
@@ -73,16 +73,18 @@ class Contact {
     }
     return sum;
   }
-  std::size_t bytes() const { return slot_.size() * sizeof(slot_[0]); }
+  std::size_t bytes() const { return meeting_of_.size() * sizeof(meeting_of_[0]); }
 
  private:
   static constexpr std::uint32_t none = UINT32_MAX;
 
-  Meeting<T>* at(std::size_t node) { return slot_[node] == none ? nullptr : &meetings_[slot_[node]]; }
+  Meeting<T>* at(std::size_t node) {
+    return meeting_of_[node] == none ? nullptr : &meetings_[meeting_of_[node]];
+  }
 
   template <class Driver>
   void find_meetings(const Driver& driver, Velocity<T> velocity) {
-    for (const Meeting<T>& m : meetings_) slot_[m.node] = none;
+    for (const Meeting<T>& m : meetings_) meeting_of_[m.node] = none;
     meetings_.clear();
     found_.assign(driver.slots(), {});
     driver.for_each_line(false, [&](int slot, std::size_t begin, std::size_t end) {
@@ -92,7 +94,7 @@ class Contact {
     });
     for (const auto& nodes : found_)
       for (const std::size_t node : nodes) {
-        slot_[node] = std::uint32_t(meetings_.size());
+        meeting_of_[node] = std::uint32_t(meetings_.size());
         meetings_.push_back({.node = node, .mass = {velocity[node].v[3], velocity[second_ + node].v[3]}});
       }
   }
@@ -101,10 +103,10 @@ class Contact {
   template <class Shape>
   bool meets(const GridGeometry<T>& grid, const Block& block) const {
     bool any = false;
-    for_each_run(block, [&](const Run& run) {
-      const std::size_t node = run.node - grid.field_of(run.node);
+    for_each_bundle(block, [&](const Bundle& bundle) {
+      const std::size_t node = bundle.node - grid.field_of(bundle.node);
       Patch<Shape, T>::for_each(
-          [&](int i, int j, int k) { any = any || slot_[node + grid.index(i, j, k)] != none; });
+          [&](int i, int j, int k) { any = any || meeting_of_[node + grid.index(i, j, k)] != none; });
     });
     return any;
   }
@@ -114,8 +116,9 @@ class Contact {
   void orient(const GridGeometry<T>& grid, const Driver& driver, Surface<T> surface, Volume&& volume) {
     driver.scatter([&](int, const Block& block) {
       if (!meets<Shape>(grid, block)) return;
-      for_each_run(block,
-                   [&](const Run& run) { add_surface<Shape>(driver.points(), grid, run, surface, volume); });
+      for_each_bundle(block, [&](const Bundle& bundle) {
+        add_surface<Shape>(driver.points(), grid, bundle, surface, volume);
+      });
     });
     driver.exchange(surface);
     fold(driver, grid, mirrors_, surface, Mirrored::vector);
@@ -127,7 +130,7 @@ class Contact {
   }
 
   // Adds the images of meetings one node inside a mirror: what reaches an image is the image of what reaches
-  // the node. An image may have one, too, where mirrors cross.
+  // the node. Where mirrors cross an image may have an image, too.
   void add_images(const GridGeometry<T>& grid) {
     const std::size_t stride[3] = {grid.index(1, 0, 0), grid.index(0, 1, 0), 1};
     for (int face = 0; face < 6; ++face) {
@@ -139,10 +142,14 @@ class Contact {
         int ijk[3];
         grid.split(image.node, ijk);
         if (ijk[axis] != inside) continue;
-        face % 2 ? image.node += 2 * stride[axis] : image.node -= 2 * stride[axis];
+        if (face % 2)
+          image.node += 2 * stride[axis];
+        else
+          image.node -= 2 * stride[axis];
         image.normal[axis] = -image.normal[axis];
-        slot_[image.node] = std::uint32_t(meetings_.size());
-        meetings_.push_back(image), image_of_.push_back(i);
+        meeting_of_[image.node] = std::uint32_t(meetings_.size());
+        meetings_.push_back(image);
+        image_of_.push_back(i);
       }
     }
   }
@@ -153,7 +160,7 @@ class Contact {
       Meeting<T>& original = meetings_[image_of_.back()];
       for (int side = 0; side < 2; ++side)
         original.reach[side] = max(original.reach[side], image.reach[side]);
-      slot_[image.node] = none;
+      meeting_of_[image.node] = none;
     }
   }
 
@@ -162,11 +169,11 @@ class Contact {
     return velocity[m.node].vector() - velocity[second_ + m.node].vector();
   }
 
-  // Takes `stop` (m/s) from the approach. Returns the impulse of the first body on the second.
-  Vec3<T> exchange(const Meeting<T>& m, Velocity<T> velocity, T stop, T friction) const {
-    if (!(stop > T(0))) return {};
+  // Takes `speed` (m/s) from the approach. Returns the impulse of the first body on the second.
+  Vec3<T> stop(const Meeting<T>& m, Velocity<T> velocity, T speed, T friction) const {
+    if (!(speed > T(0))) return {};
     const auto impulse =
-        contact_impulse(relative(m, velocity), m.mass[0], m.mass[1], m.normal, stop, friction);
+        contact_impulse(relative(m, velocity), m.mass[0], m.mass[1], m.normal, speed, friction);
     Quad<T>&first = velocity[m.node], &second = velocity[second_ + m.node];
     first.set_vector(first.vector() - (T(1) / m.mass[0]) * impulse);
     second.set_vector(second.vector() + (T(1) / m.mass[1]) * impulse);
@@ -177,8 +184,8 @@ class Contact {
   T friction_;
   Faces mirrors_;
   std::vector<Meeting<T>> meetings_;
-  std::vector<std::size_t> image_of_;  // of each image at the end of meetings_, while there are some
-  std::vector<std::uint32_t> slot_;    // of each node, where meetings_ has it
+  std::vector<std::size_t> image_of_;      // of each image at the end of meetings_, while there are some
+  std::vector<std::uint32_t> meeting_of_;  // of each node, where meetings_ has it
   std::vector<std::vector<std::size_t>> found_;  // of each slot
 };
 

@@ -1,4 +1,4 @@
-// Where the energy is, and where it went.
+// Where the energy is, and where it went: what the points have now, and what they lost.
 #pragma once
 #include "model.hpp"
 
@@ -11,7 +11,7 @@ struct Ledger {
   double left_kinetic = 0, left_internal = 0;  // carried out by points that left
   double pic = 0;                              // taken from the points' velocities by the PIC share
   double contact = 0;                          // by impact and friction where two bodies touch
-  double viscous = 0, plastic = 0;             // parts of the internal energy's history, for information
+  double viscous = 0, plastic = 0;             // shares of the internal energy's history, for information
   double initial = 0;
   double mass = 0;
   Vec3<double> momentum{};
@@ -19,8 +19,10 @@ struct Ledger {
     return kinetic + internal + absorbed + left_kinetic + left_internal + pic + contact - initial;
   }
   Ledger& operator+=(const Ledger& other) {
-    kinetic += other.kinetic, internal += other.internal;
-    mass += other.mass, momentum += other.momentum;
+    kinetic += other.kinetic;
+    internal += other.internal;
+    mass += other.mass;
+    momentum += other.momentum;
     return *this;
   }
 };
@@ -42,15 +44,16 @@ void add_point(Ledger& ledger, const Model<T>& model, const Points<T>& points, s
   ledger.momentum += m * Vec3<double>{double(v.x), double(v.y), double(v.z)};
 }
 
-// What the points have and carry now.
+// Returns what the points have and carry now.
 template <class T, class Driver>
 Ledger energies(const Model<T>& model, const Driver& driver) {
-  std::vector<Ledger> parts(driver.slots());
+  std::vector<Ledger> of_slots(driver.slots());
   driver.for_each_block([&](int slot, const Block& block) {
-    for (std::size_t p = block.begin; p < block.end; ++p) add_point(parts[slot], model, driver.points(), p);
+    for (std::size_t p = block.begin; p < block.end; ++p)
+      add_point(of_slots[slot], model, driver.points(), p);
   });
   Ledger sum;
-  for (const auto& part : parts) sum += part;
+  for (const Ledger& one : of_slots) sum += one;
   return sum;
 }
 

@@ -1,4 +1,5 @@
-// What a run consists of.
+// A machine is all that a run consists of: what never changes, what holds points and nodes, what a step reads
+// of those before.
 #pragma once
 #include <optional>
 

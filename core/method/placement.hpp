@@ -4,7 +4,7 @@
 
 namespace pockmark {
 
-// A point's first node, in nodes along each axis, and its place from there, in cells.
+// The first node of a point's stencil, counted along each axis, and its place from there, in cells.
 template <class T>
 struct Seat {
   int base[3];

@@ -7,7 +7,7 @@
 
 namespace pockmark {
 
-// f(p) for the points that have not left, in the driver's order.
+// Calls f(p) for the points that have not left, in the driver's order.
 template <class T, class F>
 void for_each_point(const Points<T>& points, F&& f) {
   for (std::size_t p = 0; p < points.count; ++p)
@@ -26,7 +26,7 @@ Sym3<T> settled_deviator(const Model<T>& model, const Points<T>& points, std::si
   return ((trial - T(3) * m.shear(conditions) * strain) / trial) * point.deviator;
 }
 
-// Points in one place: how many, and the corners of a box around them (m).
+// Points that are found together: how many, and the corners of a box around them (m).
 struct Gathering {
   std::int64_t points = 0;
   std::array<double, 3> lower{}, upper{};
@@ -68,7 +68,7 @@ std::vector<float> volume_fraction(const Model<T>& model, const Driver& driver,
   const auto& points = driver.points();
   const double per_cell = double(grid.per_metre) * double(grid.per_metre) * double(grid.per_metre);
   std::vector<float> out(grid.node_count());
-  const auto add = [&](std::size_t p, const Run& run) {
+  const auto add = [&](std::size_t p, const Bundle& bundle) {
     const auto f = points.vector(Field::place, p);
     const float share =
         float((1 + double(points.at(Field::dilation)[p])) * model.reference_volume(points, p) * per_cell);
@@ -76,8 +76,9 @@ std::vector<float> volume_fraction(const Model<T>& model, const Driver& driver,
     float w[3][2];
     for (int a = 0; a < 3; ++a) {
       const int beyond = f[a] >= T(1);  // a wider stencil begins a node earlier
-      base[a] = run.base[a] + beyond;
-      w[a][1] = float(f[a]) - float(beyond), w[a][0] = 1 - w[a][1];
+      base[a] = bundle.base[a] + beyond;
+      w[a][1] = float(f[a]) - float(beyond);
+      w[a][0] = 1 - w[a][1];
     }
     float* first = out.data() + grid.index(base[0], base[1], base[2]);
     for (int i = 0; i < 2; ++i)
@@ -85,9 +86,9 @@ std::vector<float> volume_fraction(const Model<T>& model, const Driver& driver,
         for (int k = 0; k < 2; ++k) first[grid.index(i, j, k)] += share * w[0][i] * w[1][j] * w[2][k];
   };
   driver.scatter_all([&](int, const Block& block) {
-    for_each_run(block, [&](const Run& run) {
-      for (std::size_t p = run.begin; p < run.end; ++p)
-        if (counts[points.body[p]]) add(p, run);
+    for_each_bundle(block, [&](const Bundle& bundle) {
+      for (std::size_t p = bundle.begin; p < bundle.end; ++p)
+        if (counts[points.body[p]]) add(p, bundle);
     });
   });
   return out;

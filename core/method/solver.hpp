@@ -124,21 +124,29 @@ class Solver {
     const auto& state = m_.state;
     const double unit = m_.model.mass_unit;
     Ledger l = energies(m_.model, m_.driver);
-    l.absorbed = unit * state.absorbed, l.pic = unit * state.pic, l.contact = unit * state.contact;
-    l.left_kinetic = state.departed.kinetic, l.left_internal = state.departed.internal;
-    l.viscous = unit * state.audit.viscous_work, l.plastic = unit * state.audit.plastic_work;
+    l.absorbed = unit * state.absorbed;
+    l.pic = unit * state.pic;
+    l.contact = unit * state.contact;
+    l.left_kinetic = state.departed.kinetic;
+    l.left_internal = state.departed.internal;
+    l.viscous = unit * state.audit.viscous_work;
+    l.plastic = unit * state.audit.plastic_work;
     l.initial = state.initial;
     return l;
   }
 
-  // Takes the place of placing points and initialize() where F::restores. See Machine::for_each_part.
+  // Where F::restores it does for a solver without points what place() and initialize() do. See
+  // Machine::for_each_part.
   template <class F>
   void for_each_part(F&& f) {
     if constexpr (std::remove_cvref_t<F>::restores) begin_anchorage();
     m_.for_each_part(f);
   }
   // To be called when points were changed from outside.
-  void wake() { m_.driver.wake(), m_.state.is_mapped = false; }
+  void wake() {
+    m_.driver.wake();
+    m_.state.is_mapped = false;
+  }
 
  private:
   void begin_anchorage() {
@@ -147,7 +155,10 @@ class Solver {
   }
   template <class F>
   void with_shape(F&& f) {
-    m_.model.options.shape == ShapeFunction::trilinear ? f(Linear<T>{}) : f(Quadratic<T>{});
+    if (m_.model.options.shape == ShapeFunction::trilinear)
+      f(Linear<T>{});
+    else
+      f(Quadratic<T>{});
   }
   void require_one_a_body(const std::vector<std::uint8_t>& values, const char* who) const {
     if (values.size() != m_.model.materials.size())
@@ -162,7 +173,10 @@ class Solver {
       const auto& m = m_.model.materials[points().body[p]];
       const auto v = points().vector(Field::velocity, p);
       if (p == 0) least = most = v;
-      for (int a = 0; a < 3; ++a) least[a] = min(least[a], v[a]), most[a] = max(most[a], v[a]);
+      for (int a = 0; a < 3; ++a) {
+        least[a] = min(least[a], v[a]);
+        most[a] = max(most[a], v[a]);
+      }
       state.extremes.wave_speed =
           std::max(state.extremes.wave_speed, double(m.dilatational_speed() + std::sqrt(dot(v, v))));
     }
@@ -170,7 +184,8 @@ class Solver {
     for (int face = 0; face < 6; ++face) {
       const int axis = face / 2;
       if (!m_.model.grid.is_symmetric[face]) continue;
-      most[axis] = max(most[axis], -least[axis]), least[axis] = min(least[axis], -most[axis]);
+      most[axis] = max(most[axis], -least[axis]);
+      least[axis] = min(least[axis], -most[axis]);
     }
     const auto spread = most - least;
     state.closing_speed = std::sqrt(double(dot(spread, spread)));
@@ -188,8 +203,10 @@ class Solver {
     Ledger left;
     add_point(left, m_.model, points(), exit.point);
     auto& state = m_.state;
-    state.departed.mass += left.mass, state.departed.momentum += left.momentum;
-    state.departed.kinetic += left.kinetic, state.departed.internal += left.internal;
+    state.departed.mass += left.mass;
+    state.departed.momentum += left.momentum;
+    state.departed.kinetic += left.kinetic;
+    state.departed.internal += left.internal;
     const Face face = m_.model.faces[exit.face];
     const bool expected = face == Face::free || face == Face::transmitting;
     state.audit.count(expected ? Counter::left_points : Counter::lost_points);

@@ -3,6 +3,9 @@
 #pragma once
 #include <numeric>
 
+#include "../motion.hpp"
+#include "../stress.hpp"
+#include "lines.hpp"
 #include "machine.hpp"
 #include "step_size.hpp"
 
@@ -39,9 +42,9 @@ class Step {
       const auto momentum = m_.momentum(), other = m_.other_momentum();
       const auto force = m_.force();
       driver_.for_each_line(true, [&](int, std::size_t begin, std::size_t end) {
-        if (!state_.is_mapped) zero(momentum, begin, end);
-        zero(force, begin, end);
-        zero(other, begin, end);
+        if (!state_.is_mapped) clear_line(momentum, begin, end);
+        clear_line(force, begin, end);
+        clear_line(other, begin, end);
       });
       driver_.forget_stale();
     });
@@ -80,7 +83,7 @@ class Step {
     });
     return force;
   }
-  // (3) alone.
+  // (3) alone: strains the points by a nodal velocity.
   void stress_only(Velocity<T> velocity, const Pay& pay) {
     stress(velocity, pay, [&](auto&& update) {
       driver_.for_each_awake_block([&](int slot, const Block& block) {
@@ -107,12 +110,13 @@ class Step {
   // in contact. The velocity takes the place of the force.
   Velocity<T> integrate(Velocity<T> before, Force<T> force) {
     const Velocity<T> after{force.data};
-    const auto damping = m_.damping();
+    const LineIntegration<T> integrate_line{grid_,        m_.transmitting, before,       after,
+                                            m_.damping(), T(dt()),         model_.cutoff};
     m_.timers.time("momentum", [&] {
       m_.transmitting.begin_step();
       std::vector<std::int64_t> cut(driver_.slots());
       driver_.for_each_line(false, [&](int slot, std::size_t begin, std::size_t end) {
-        if (const auto light = integrate_line(before, after, damping, begin, end)) cut[slot] += light;
+        if (const auto light = integrate_line(begin, end)) cut[slot] += light;
       });
       state_.audit.counts[std::size_t(Counter::node_cutoffs)] +=
           std::accumulate(cut.begin(), cut.end(), std::int64_t(0));
@@ -126,11 +130,11 @@ class Step {
     return after;
   }
 
-  // (6): velocities of the points.
+  // (6): changes the velocities of the points.
   void update_velocities(Velocity<T> before, Velocity<T> after) {
     velocities([&](auto&& update) { driver_.scatter(update); }, before, after);
   }
-  // (6): velocities of the points, mapped back to the grid.
+  // (6): changes the velocities of the points, and maps them back to the grid.
   Velocity<T> map_back(Velocity<T> before, Velocity<T> after) {
     const auto momentum = m_.other_momentum();
     Velocity<T> mapped{};
@@ -149,8 +153,9 @@ class Step {
         });
     return mapped;
   }
-  // (6): velocities and positions of the points, where nothing between the two needs the old positions; and
-  // their momentum for the next step, to the array that is free: one pass does the work of three.
+  // (6): changes velocities and positions of the points, where nothing between the two needs the old
+  // positions. Adds their momentum for the next step to the array that is free: one pass does the work of
+  // three.
   void update_velocities_and_move(Velocity<T> before, Velocity<T> after) {
     const auto momentum = m_.other_momentum();
     velocities(
@@ -163,7 +168,8 @@ class Step {
               momentum);
         },
         before, after);
-    state_.momentum = 2 - state_.momentum, state_.is_mapped = true;
+    state_.momentum = 2 - state_.momentum;
+    state_.is_mapped = true;
   }
 
   // Accounts for the energy that transmitting faces and contact took; `final`: the velocity that the points
@@ -175,12 +181,12 @@ class Step {
     });
   }
 
-  // (6): positions of the points, and their momentum for the next step, while they are in the cache. `before`
-  // is lost: its array takes the momentum.
+  // (6): changes the positions of the points, and adds their momentum for the next step, while they are in
+  // the cache. `before` is lost: its array takes the momentum.
   void move(Velocity<T> after) {
     move_with(after, [](const Block&) {});
   }
-  // The same, after a last strain by a nodal velocity.
+  // Does the same, after a last strain by a nodal velocity.
   void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
     move_with(after, [&](const Block& block) {
       StrainColumns<T> strains;
@@ -190,10 +196,6 @@ class Step {
   }
 
  private:
-  template <Nodal quantity>
-  static void zero(NodeField<T, quantity> nodes, std::size_t begin, std::size_t end) {
-    std::fill(nodes.data + begin, nodes.data + end, Quad<T>{});
-  }
   void add(const Block& block, Momentum<T> momentum) {
     driver_.template add_momentum<Shape>(block, momentum);
   }
@@ -203,16 +205,12 @@ class Step {
     driver_.exchange(sum);
     fold(driver_, grid_, model_.faces, sum, Mirrored::vector);
   }
-  // The velocity takes the place of the momentum.
+  // Completes and divides a momentum: the velocity takes its place.
   Velocity<T> to_velocity(Momentum<T> momentum) {
     finish(momentum);
-    const Velocity<T> velocity{momentum.data};
-    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        velocity[i].set_vector(has_mass(velocity, i) ? (T(1) / velocity[i].v[3]) * momentum[i].vector()
-                                                     : Vec3<T>{});
-    });
-    return velocity;
+    driver_.for_each_line(
+        false, [&](int, std::size_t begin, std::size_t end) { divide_by_mass(momentum, begin, end); });
+    return {momentum.data};
   }
   void fit(Velocity<T> velocity) {
     m_.contact->fit(velocity);
@@ -241,29 +239,6 @@ class Step {
     });
   }
 
-  // Integrates the nodes of a line. Returns how many were lighter than the cut-off.
-  std::int64_t integrate_line(Velocity<T> before, Velocity<T> after, Damping<T> damping, std::size_t begin,
-                              std::size_t end) {
-    std::size_t next = m_.transmitting.first_from(grid_, begin);
-    std::int64_t light = 0;
-    for (std::size_t node = begin; node < end; ++node) {
-      const std::size_t i = next;
-      const bool is_damped = m_.transmitting.is_damped(i, node);
-      next += is_damped;
-      if (!has_mass(before, node)) {
-        after[node] = {};
-        continue;
-      }
-      const Quad<T> force = after[node];
-      const auto step =
-          integrate_node(before[node], force, is_damped ? damping[node] : Quad<T>{}, T(dt()), model_.cutoff);
-      after[node] = step.velocity;
-      if (is_damped) m_.transmitting.keep(i, step.velocity);
-      light += step.cut;
-    }
-    return light;
-  }
-
   // Calls walk(update) with update(slot, block), which changes the velocities of a block; then finish().
   template <class Walk, class Finish>
   void velocities(Walk&& walk, Velocity<T> before, Velocity<T> after, Finish&& finish) {
@@ -288,8 +263,8 @@ class Step {
   void move_with(Velocity<T> after, Before&& first) {
     const auto momentum = m_.momentum();
     m_.timers.time("move", [&] {
-      driver_.for_each_line(false,
-                            [&](int, std::size_t begin, std::size_t end) { zero(momentum, begin, end); });
+      driver_.for_each_line(
+          false, [&](int, std::size_t begin, std::size_t end) { clear_line(momentum, begin, end); });
       regroup(
           [&](int slot, const Block& block) {
             first(block);
@@ -299,7 +274,7 @@ class Step {
       state_.is_mapped = true;
     });
   }
-  // Whether a point changed its cell.
+  // Returns whether a point changed its cell.
   bool move_block(int slot, const Block& block, Velocity<T> after) {
     return move_points<Shape, V>(driver_.points(), grid_, block, after, T(dt()),
                                  [&](std::size_t p, int face) { exits_[slot].push_back({p, face}); });

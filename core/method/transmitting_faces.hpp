@@ -25,8 +25,8 @@ class TransmittingFaces {
     std::fill_n(damping.data, grid.field_count * grid.node_count(), Quad<T>{});
     const auto view = anchorage_.view();
     driver.scatter_all([&](int, const Block& block) {
-      for_each_run(block, [&](const Run& run) {
-        add_damping<Shape>(driver.points(), grid, model.faces, run, model.dampers.data(), view, damping);
+      for_each_bundle(block, [&](const Bundle& bundle) {
+        add_damping<Shape>(driver.points(), grid, model.faces, bundle, model.dampers.data(), view, damping);
       });
     });
     driver.exchange(damping);
@@ -34,9 +34,10 @@ class TransmittingFaces {
     fold(driver, grid, model.faces, damping, Mirrored::magnitudes);
     list(grid, damping);
   }
-  // Lists the nodes that are damped.
+  // Makes the list of the nodes that are damped.
   void list(const GridGeometry<T>& grid, Damping<T> damping) {
-    nodes_.clear(), row_.clear();
+    nodes_.clear();
+    row_.clear();
     const std::size_t row = grid.nodes(2), count = grid.field_count * grid.node_count();
     for (std::size_t node = 0; node < count; ++node) {
       if (node % row == 0) row_.push_back(nodes_.size());
@@ -51,7 +52,8 @@ class TransmittingFaces {
     std::vector<T> values;
     for (const std::size_t node : nodes_)
       for (int c = 0; c < 4; ++c) values.push_back(damping[node].v[c]);
-    f("faces.nodes", nodes), f("faces.damping", values);
+    f("faces.nodes", nodes);
+    f("faces.damping", values);
     if constexpr (!std::remove_cvref_t<F>::restores) return;
     if (values.size() != 4 * nodes.size() || anchorage_.held().size() != grid.node_count())
       throw std::invalid_argument("faces: not those of this grid");
@@ -63,7 +65,7 @@ class TransmittingFaces {
     list(grid, damping);
   }
 
-  // Where nodes() has its first node from this one on.
+  // Returns the first damped node from a node on, as its place in nodes_.
   std::size_t first_from(const GridGeometry<T>& grid, std::size_t node) const {
     std::size_t i = row_[node / grid.nodes(2)];
     while (i < nodes_.size() && nodes_[i] < node) ++i;
@@ -78,7 +80,7 @@ class TransmittingFaces {
   template <class Driver>
   void add_absorbed(const Model<T>& model, const Driver& driver, Velocity<T> before, Velocity<T> final,
                     Damping<T> damping, T dt, double& total) const {
-    std::vector<double> parts(driver.slots());
+    std::vector<double> of_slots(driver.slots());
     driver.for_each_line(false, [&](int slot, std::size_t begin, std::size_t end) {
       double sum = 0;
       for (std::size_t i = first_from(model.grid, begin); i < nodes_.size() && nodes_[i] < end; ++i) {
@@ -87,9 +89,9 @@ class TransmittingFaces {
         sum += double(absorbed_energy(before[node].vector(), after_[i].vector(), final[node].vector(),
                                       damping[node].vector(), dt));
       }
-      if (sum != 0) parts[slot] += sum;
+      if (sum != 0) of_slots[slot] += sum;
     });
-    for (const double part : parts) total += part;
+    for (const double one : of_slots) total += one;
   }
 
  private:

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <stdexcept>
 
-#include "../update.hpp"
+#include "../transfer.hpp"
 
 namespace pockmark::plain {
 
@@ -24,7 +24,10 @@ class Driver {
     for (auto& buffer : buffers_) buffer.assign(grid.field_count * grid.node_count(), {});
   }
   void reserve(std::size_t count) { store_.reserve(count); }
-  void resize(std::size_t count) { store_.resize(count), points_ = store_.view(); }
+  void resize(std::size_t count) {
+    store_.resize(count);
+    points_ = store_.view();
+  }
   const Points<T>& points() const { return points_; }
   template <Nodal quantity>
   NodeField<T, quantity> nodes(int buffer) {
@@ -71,11 +74,11 @@ class Driver {
 
   template <class Shape>
   void add_momentum(const Block& block, Momentum<T> momentum) const {
-    pockmark::add_momentum<Shape>(points_, grid_, block.runs[0], momentum);
+    pockmark::add_momentum<Shape>(points_, grid_, block.bundles[0], momentum);
   }
   template <class Shape>
   void add_force(const Block& block, const Columns<T, 6>& push, Force<T> force) const {
-    add_internal_force<Shape>(points_, grid_, block, push, block.runs[0], force);
+    add_internal_force<Shape>(points_, grid_, block, push, block.bundles[0], force);
   }
 
   void forget_stale() {}
@@ -96,13 +99,13 @@ class Driver {
   std::size_t node_bytes() const { return buffers_[0].size() * buffers_.size() * sizeof(Quad<T>); }
 
  private:
-  // f(slot, block) for a block of one point, unless it is gone.
+  // Calls f(slot, block) for a block of one point, unless it is gone.
   template <class F>
   void with_block(std::size_t p, F&& f) const {
     if (points_.cell[p] == gone) return;
-    Run run{std::uint32_t(p), std::uint32_t(p + 1), points_.cell[p], {}};
-    grid_.split(run.node, run.base);
-    f(0, Block{p, p + 1, true, 1, &run});
+    Bundle bundle{std::uint32_t(p), std::uint32_t(p + 1), points_.cell[p], {}};
+    grid_.split(bundle.node, bundle.base);
+    f(0, Block{p, p + 1, true, 1, &bundle});
   }
 
   GridGeometry<T> grid_;

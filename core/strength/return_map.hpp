@@ -70,7 +70,7 @@ struct ReturnMap {
     near = near && !(falls || (!fast && kink < x + newton));
     next = select(falls, kink, next);
   }
-  // The root for hardening at its old tangent.
+  // Returns the root for hardening at its old tangent.
   PM_HD V start(V strain, V excess, V most, V x_most) const {
     const auto flow = surface.at(strain, max(x_most - T(1), V(x_kink + T(1e-3))) - log_dt);
     const V tangent = three_g + select(most < strain, flow.by_strain / max(strain, most), V(0));
@@ -79,8 +79,8 @@ struct ReturnMap {
     else
       return excess / tangent;
   }
-  // The root of excess - tangent d - rate (ln d - x_kink): w + ln w = L, Lambert's W, by one step of Fritsch,
-  // Shafer and Crowley (1973) from W's asymptotes. Right to 1e-4 or so.
+  // Returns the root of excess - tangent d - rate (ln d - x_kink): w + ln w = L, Lambert's W, by one step of
+  // Fritsch, Shafer and Crowley (1973) from W's asymptotes. Right to 1e-4 or so.
   PM_HD V logarithmic_start(V excess, V tangent, V rate) const {
     rate = max(rate, T(1e-6) * excess);  // the rate, or the strength of a melt, may count for nothing
     const V scale = rate / tangent;
@@ -106,7 +106,10 @@ PM_HD PlasticReturn<V> return_to_surface(const Law& law, V trial, V strain, cons
     const auto surface = law.surface(conditions);
     constexpr bool has_rate = RateLaw<Law>;
     T log_dt = T(0), x_kink = T(0);
-    if constexpr (has_rate) log_dt = fast_log(dt), x_kink = law.log_kink + log_dt;
+    if constexpr (has_rate) {
+      log_dt = fast_log(dt);
+      x_kink = law.log_kink + log_dt;
+    }
     auto out = ReturnMap<V, decltype(surface), decltype(three_g), has_rate>{surface, three_g, log_dt, x_kink}(
         trial, strain);
     // The lesser of two flow stresses is met by the greater of the two strains.

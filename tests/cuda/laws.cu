@@ -86,8 +86,12 @@ std::vector<Case<T>> random_cases(int n) {
   const auto uniform = [&](double a, double b) { return T(std::uniform_real_distribution(a, b)(engine)); };
   std::vector<Case<T>> cases(n);
   for (auto& [point, strain, turn] : cases) {
-    point.dilation = uniform(-0.4, 0.3), point.energy = uniform(0, 5e9), point.pressure = uniform(-1e9, 3e10);
-    point.viscosity = uniform(0, 1e9), point.plastic_strain = uniform(0, 2),
+    point.dilation = uniform(-0.4, 0.3);
+    point.energy = uniform(0, 5e9);
+    point.pressure = uniform(-1e9, 3e10);
+    point.viscosity = uniform(0, 1e9);
+    point.plastic_strain = uniform(0, 2);
+
     point.temperature = uniform(293, 800);
     point.damage = uniform(0, 1.2);
     for (T* c :

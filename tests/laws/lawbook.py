@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import law
+from builders import kernels, law
 
 import pockmark._core as core
 from pockmark.scene.materials import Material, library
@@ -55,7 +55,7 @@ def update(material, states, gradients=None, *, lanes=False, q=True, dt=DT):
     """The states after a step; `q`: with bulk viscosity."""
     made = material if q else material.model_copy(update={"viscosity": quiet(material)})
     gradients = np.zeros((len(states), 9)) if gradients is None else gradients
-    return core.update_stress(made.to_core(), states, gradients, material.density * V0, CELL, dt, lanes)
+    return kernels.update_stress(made.to_core(), states, gradients, material.density * V0, CELL, dt, lanes)
 
 
 def quiet(material):

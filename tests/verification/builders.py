@@ -1,9 +1,14 @@
 """Small builders that the verification tests share."""
 
+import importlib
+
 import numpy as np
 import pytest
 
 import pockmark._core as core
+
+# The kernels by themselves, compiled as the core that was chosen is.
+kernels = importlib.import_module(f"pockmark._kernels_{core.build_info()['isa']}")
 
 THREADS = 1  # these are small: more threads only wait for each other
 FREE, SYMMETRY, FIXED = core.Face.free, core.Face.symmetry, core.Face.fixed

@@ -1,0 +1,33 @@
+// What a solver is told before it has points: faces, scheme, shape functions, numbers.
+#pragma once
+#include "../boundary.hpp"
+#include "../method/model.hpp"
+#include "arrays.hpp"
+
+namespace pockmark::bind {
+
+inline void bind_options(nb::module_& m) {
+  nb::enum_<Face>(m, "Face")
+      .value("free", Face::free)
+      .value("symmetry", Face::symmetry)
+      .value("fixed", Face::fixed)
+      .value("transmitting", Face::transmitting);
+  nb::enum_<Scheme>(m, "Scheme")
+      .value("usf", Scheme::usf)
+      .value("musl", Scheme::musl)
+      .value("usl", Scheme::usl)
+      .value("usavg", Scheme::usavg);
+  nb::enum_<ShapeFunction>(m, "ShapeFunction")
+      .value("trilinear", ShapeFunction::trilinear)
+      .value("quadratic", ShapeFunction::quadratic);
+  nb::class_<Options>(m, "Options")
+      .def(
+          "__init__",
+          [](Options* self, Scheme scheme, ShapeFunction shape, double cfl, double strain_limit,
+             double pic_fraction, double mass_cutoff, bool sleep) {
+            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff, sleep};
+          },
+          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a, "sleep"_a);
+}
+
+}  // namespace pockmark::bind
