@@ -55,7 +55,9 @@ def _impossible(
     yield "no volume", volume <= 0, _least(volume / (f["mass"] / material.density))
     yield "below 0 K", temperature < 0, _least(temperature)
     yield "beyond the strong-shock limit", density > most(material), -_least(-density)
-    scale = material.density * max(speed**2 / 2, material.thermal.specific_heat * material.thermal.room_temperature)
+    scale = material.density * max(
+        speed**2 / 2, material.thermal.specific_heat * material.thermal.room_temperature
+    )
     compressed = (volume > 0) & (density > 1)
     yield (
         "negative energy",
