@@ -31,6 +31,25 @@ template <class T>
 using CpuDriver = cpu::Driver<T, T>;
 #endif
 
+// Whether the processor has these levels of x86-64. Clang before 18 knows their parts by name, not the
+// levels.
+#ifdef __x86_64__
+#if defined(__clang__) && __clang_major__ < 18
+bool has_x86_64_v3() {
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
+         __builtin_cpu_supports("bmi2");
+}
+bool has_x86_64_v4() {
+  return has_x86_64_v3() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+         __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+         __builtin_cpu_supports("avx512vl");
+}
+#else
+bool has_x86_64_v3() { return __builtin_cpu_supports("x86-64-v3"); }
+bool has_x86_64_v4() { return __builtin_cpu_supports("x86-64-v4"); }
+#endif
+#endif
+
 using Doubles = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 
 template <class V>
@@ -461,7 +480,7 @@ NB_MODULE(POCKMARK_MODULE, m) {
         "dt"_a, "lanes"_a);
   m.def(
       "elementary",
-      [](const std::string& name, Doubles x, double n, bool lanes) {
+      [](const std::string& name, Doubles x, double n, [[maybe_unused]] bool lanes) {
         const std::size_t count = x.size();
 #ifdef POCKMARK_LANES
         if (lanes) return to_array(elementary<Lanes<double>>(name, x, n), count, 1);
@@ -486,8 +505,8 @@ NB_MODULE(POCKMARK_MODULE, m) {
   m.def("supported_isas", [] {
     std::vector<std::string> isas;
 #ifdef __x86_64__
-    if (__builtin_cpu_supports("x86-64-v4")) isas.push_back("avx512");
-    if (__builtin_cpu_supports("x86-64-v3")) isas.push_back("avx2");
+    if (has_x86_64_v4()) isas.push_back("avx512");
+    if (has_x86_64_v3()) isas.push_back("avx2");
 #endif
     isas.push_back("scalar");
     return isas;
