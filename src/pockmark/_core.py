@@ -4,7 +4,7 @@ POCKMARK_ISA=avx512|avx2|scalar forces one. POCKMARK_DRIVER=plain takes the plai
 plain driver is slow; the CPU's is tested against it.
 """
 
-import importlib
+import importlib.util
 import os
 import sys
 from typing import Any
@@ -18,7 +18,10 @@ if "OMP_WAIT_POLICY" not in os.environ:
 
 from . import _core_scalar
 
-_supported = _core_scalar.supported_isas()
+# What the processor has, of what was built: POCKMARK_ISAS of CMakeLists.txt may leave some out.
+_supported = [
+    isa for isa in _core_scalar.supported_isas() if importlib.util.find_spec(f"pockmark._core_{isa}")
+]
 
 
 def _choose(variable: str, allowed: list[str]) -> str:
