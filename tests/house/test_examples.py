@@ -1,4 +1,4 @@
-"""The examples of README.md and docs/ run: scenes, commands and Python, in their order, in one folder a document.
+"""The examples of README.md and docs/ run: scenes, commands and Python, in their order, in one folder a document; C++ is the core's.
 
 A block that does not run here says why in the line above it: <!-- not run: the reason -->.
 """
@@ -19,7 +19,7 @@ from pockmark.study.campaign import cases, load
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^```(\w*)\n(.*?)^```$", re.M | re.S)
+BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^ *```(\w*)\n(.*?)^ *```$", re.M | re.S)
 # What makes the README's scene one of seconds; "5 um", which a command gives the projectile, has four cells still.
 SMALL = (
     "end_time='6 ns'",
@@ -62,6 +62,14 @@ def runs(words, folder):
     assert done.returncode == 0, f"{shlex.join(words)}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
 
 
+def stands_in_the_core(text):
+    """Return whether a file of core/ has these lines, one after another, however they are indented and broken."""
+    wanted = "".join(text.split())
+    return any(
+        wanted in "".join(path.read_text(encoding="utf-8").split()) for path in ROOT.glob("core/**/*.hpp")
+    )
+
+
 def write_small_campaign(words, folder):
     """Let a study that has the figure asked for be one run of the small scene: tests/studies runs the real ones."""
     name, figure = words[2], words[words.index("--only") + 1]
@@ -97,6 +105,8 @@ def test_the_examples_of_a_document_run(document, tmp_path):
             Scene.load(tmp_path / "written.toml", SMALL).save(tmp_path / "scene.toml")
         elif language == "python":
             runs(["-c", text], tmp_path)
+        elif language == "cpp":
+            assert stands_in_the_core(text), f"{document.name}: no file of core/ has these lines:\n{text}"
         else:
             for words in commands(text):
                 assert words[0] == "pockmark", f"{document.name}: {shlex.join(words)}: neither run nor marked"
