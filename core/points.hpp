@@ -132,9 +132,11 @@ struct PointStore {
   template <class F>
   void for_each_part(F&& f) {
     for (const FieldInfo& info : field_table)
-      for (int c = 0; c < info.components; ++c)
-        f("points." + std::string(info.name) + (info.components > 1 ? "." + std::to_string(c) : ""),
-          components[first_component(info.field) + c]);
+      for (int c = 0; c < info.components; ++c) {
+        std::string name = std::string("points.") + info.name;
+        if (info.components > 1) name.append(".").append(std::to_string(c));
+        f(name, components[first_component(info.field) + c]);
+      }
     f("points.body", body), f("points.id", id), f("points.cell", cell);
   }
   bool is_whole() const {

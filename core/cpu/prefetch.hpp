@@ -1,6 +1,8 @@
 // What the CPU asks its cache for ahead of each pass over the points: their streams are too many for the
 // processor to foresee.
 #pragma once
+#include <utility>
+
 #include "../transfer.hpp"
 
 namespace pockmark::cpu {
@@ -10,30 +12,31 @@ struct Prefetch {
   // it read: the queue of lines under way is short.
   template <Pass pass, class T>
   PM_HD static void before(const Points<T>& points, std::size_t p) {
-    if constexpr (pass == Pass::gradient) ask(points, p, Field::place);
-    if constexpr (pass == Pass::strain) ask(points, p, Field::dilation, Field::energy, Field::deviator);
+    if constexpr (pass == Pass::gradient) ask<Field::place>(points, p);
+    if constexpr (pass == Pass::strain) ask<Field::dilation, Field::energy, Field::deviator>(points, p);
     if constexpr (pass == Pass::pressure)
-      ask(points, p, Field::velocity, Field::mass, Field::pressure, Field::viscosity, Field::plastic_strain,
-          Field::temperature, Field::damage);
+      ask<Field::velocity, Field::mass, Field::pressure, Field::viscosity, Field::plastic_strain,
+          Field::temperature, Field::damage>(points, p);
     if constexpr (pass == Pass::velocity)
-      ask(points, p, Field::place, Field::velocity, Field::mass);  // the mass is for the mapping
+      ask<Field::place, Field::velocity, Field::mass>(points, p);  // the mass is for the mapping
     if constexpr (pass == Pass::last_strain)  // and what the mapping that follows will read
-      ask(points, p, Field::dilation, Field::energy, Field::deviator, Field::pressure, Field::viscosity,
-          Field::damage, Field::velocity, Field::mass);
+      ask<Field::dilation, Field::energy, Field::deviator, Field::pressure, Field::viscosity, Field::damage,
+          Field::velocity, Field::mass>(points, p);
   }
 
  private:
   static constexpr std::size_t ahead = 144;
 
-  template <class T, class... Fields>
-  PM_HD static void ask(const Points<T>& points, std::size_t p, Fields... fields) {
-    (ask_for(points, p, fields), ...);
+  template <Field... fields, class T>
+  PM_HD static void ask(const Points<T>& points, std::size_t p) {
+    (ask_for<fields>(points, p), ...);
   }
-  template <class T>
-  PM_HD static void ask_for(const Points<T>& points, std::size_t p, Field field) {
-#pragma GCC unroll 6
-    for (int c = first_component(field); c < field_offsets[std::size_t(field) + 1]; ++c)
-      __builtin_prefetch(points.components[c] + p + ahead, 1, 2);
+  template <Field field, class T>
+  PM_HD static void ask_for(const Points<T>& points, std::size_t p) {
+    constexpr int first = first_component(field), count = field_offsets[std::size_t(field) + 1] - first;
+    [&]<int... c>(std::integer_sequence<int, c...>) PM_INLINE {
+      (__builtin_prefetch(points.components[first + c] + p + ahead, 1, 2), ...);
+    }(std::make_integer_sequence<int, count>{});
   }
 };
 
