@@ -47,6 +47,21 @@ inline int mirror_sign(Face face, int face_axis, int component) {
 }
 
 // What a mirror does to the components of a sum: it turns those of a vector, magnitudes stay.
+// Calls f(image, cell) for the cells along each mirror, called by their first nodes: the image lies behind
+// it.
+template <class Driver, class T, class F>
+void for_each_mirrored_cell(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces, F&& f) {
+  for (int face = 0; face < 6; ++face) {
+    if (!is_mirror(faces[face])) continue;
+    for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
+      if (face % 2)
+        f(at.on, at.inside);
+      else
+        f(at.outside, at.on);
+    });
+  }
+}
+
 enum class Mirrored { vector, magnitudes };
 
 // Adds what the nodes behind a mirror have to their images. Nothing stays behind it.

@@ -24,8 +24,8 @@ template <class D, class T = typename D::Number, class Shape = Linear<T>>
 concept IsDriver =
     requires(D d, const GridGeometry<T>& grid, std::size_t count, const Block& block,
              const Columns<T, 6>& push, Momentum<T> momentum, Force<T> force, int n, bool is_so, AnyCall f) {
-      // Memory: four arrays of nodes, all zero at first; `count` points.
-      d.allocate(grid);
+      // Memory: n arrays of nodes, all zero at first; `count` points.
+      d.allocate(grid, n);
       d.reserve(count);
       d.resize(count);
       { d.points() } -> std::convertible_to<const Points<T>&>;

@@ -65,6 +65,7 @@ enum class Nodal {
   force,     // N
   damping,   // of transmitting faces: sum of rho c A, an entry a direction, kg/s
   surface,   // what tells where a body ends (contact.hpp)
+  cell,      // of the cell that begins at the node: its numbers (cells.hpp)
 };
 
 // What the kernels see of a nodal array: all nodes, field after field.
@@ -81,6 +82,8 @@ template <class T>
 using Force = NodeField<T, Nodal::force>;
 template <class T>
 using Damping = NodeField<T, Nodal::damping>;
+template <class T>
+using Cells = NodeField<T, Nodal::cell>;
 template <class T>
 using Surface = NodeField<T, Nodal::surface>;
 

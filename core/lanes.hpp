@@ -153,6 +153,12 @@ template <class T>
 PM_HD int count(LaneMask<T> m) {
   return std::popcount(m.bits());
 }
+// Also of narrower packs, which have no masks.
+template <class T, int bytes>
+PM_HD Lanes<T, bytes> positive_part(Lanes<T, bytes> a) {
+  const typename Lanes<T, bytes>::Raw zero{};
+  return Lanes<T, bytes>(a.v > zero ? a.v : zero);
+}
 template <class T>
 PM_HD Lanes<T> root(Lanes<T> x) {
   return Lanes<T>(typename Lanes<T>::Raw(vector_root(x.v)));

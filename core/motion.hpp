@@ -8,6 +8,12 @@
 
 namespace pockmark {
 
+// A point that left, and through which face.
+struct Exit {
+  std::size_t point;
+  int face;
+};
+
 // Changes the velocities of the points: FLIP with a share of PIC, v += sum N (v_after - v_before) (6).
 // Returns the kinetic energy that PIC took (J / Model::mass_unit).
 template <class Shape, class V, class Hints, class T = number_t<V>>

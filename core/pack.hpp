@@ -57,6 +57,8 @@ template <class V>
 PM_HD V min(V a, V b) {
   return select(b < a, b, a);
 }
+PM_HD double positive_part(double a) { return a > 0 ? a : 0; }
+PM_HD float positive_part(float a) { return a > 0 ? a : 0; }
 template <class V>
 PM_HD V absolute(V a) {
   return max(a, -a);

@@ -21,6 +21,12 @@ PM_HD void for_each_material(const Points<T>& points, const Material<T>* materia
   }
 }
 
+// How a scheme pays the work of a strain: the duration of the strain (s), and the weights of the stress
+// before and after it in the energy paid.
+struct Pay {
+  double dt, old_share, new_share;
+};
+
 template <class T>
 struct StressStep {
   T dt;                    // duration of the strain

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstddef>
 
-#include "interpolant.hpp"
+#include "cells.hpp"
 
 namespace pockmark {
 
@@ -27,22 +27,26 @@ PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
   return strain;
 }
 
-// Finds how a nodal velocity strains the points of a block in a time dt.
-template <class Shape, class V, class Hints, class T>
+// Finds how a nodal velocity strains the points of a block in a time dt; `volume` says where the trace comes
+// from.
+template <class Shape, class V, class Hints, class T, class Volume>
 void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
-                   Velocity<T> velocity, T dt, StrainColumns<T>& out) {
+                   Velocity<T> velocity, T dt, const Volume& volume, StrainColumns<T>& out) {
   for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
     Patch<Shape, T> patch;
     patch.load(grid, bundle, velocity);
     patch.scale(T(0.5) * dt * grid.per_metre);
     const Interpolant<Shape, T> displacement(patch);
+    const auto part = volume.of(bundle);
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
       Hints::template before<Pass::gradient>(points, p);
       R d[3][3];  // dt/2 d v_c / d x_a
-      displacement.slopes(points.template vector<R>(Field::place, p, n), d);
-      const Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
-                          d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
+      const auto f = points.template vector<R>(Field::place, p, n);
+      displacement.slopes(f, d);
+      Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
+                    d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
+      part.replace_trace(small, f);
       const Vec3<R> turn{d[2][1] - d[1][2], d[0][2] - d[2][0], d[1][0] - d[0][1]};
       store_strain(out, p - block.begin, Strain<R>(small, R(T(0.5)) * turn));
     });

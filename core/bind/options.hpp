@@ -20,14 +20,19 @@ inline void bind_options(nb::module_& m) {
   nb::enum_<ShapeFunction>(m, "ShapeFunction")
       .value("trilinear", ShapeFunction::trilinear)
       .value("quadratic", ShapeFunction::quadratic);
+  nb::enum_<VolumetricStrain>(m, "VolumetricStrain")
+      .value("points", VolumetricStrain::points)
+      .value("cells", VolumetricStrain::cells);
   nb::class_<Options>(m, "Options")
       .def(
           "__init__",
-          [](Options* self, Scheme scheme, ShapeFunction shape, double cfl, double strain_limit,
-             double pic_fraction, double mass_cutoff, bool sleep) {
-            new (self) Options{scheme, shape, cfl, strain_limit, pic_fraction, mass_cutoff, sleep};
+          [](Options* self, Scheme scheme, ShapeFunction shape, VolumetricStrain volumetric_strain,
+             double cfl, double strain_limit, double pic_fraction, double mass_cutoff, bool sleep) {
+            new (self) Options{scheme,       shape,        volumetric_strain, cfl,
+                               strain_limit, pic_fraction, mass_cutoff,       sleep};
           },
-          "scheme"_a, "shape"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "mass_cutoff"_a, "sleep"_a);
+          "scheme"_a, "shape"_a, "volumetric_strain"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a,
+          "mass_cutoff"_a, "sleep"_a);
 }
 
 }  // namespace pockmark::bind

@@ -1,7 +1,7 @@
 // The CPU's driver: points in the order of the cells, blocks of them in tiles, threads, SIMD lanes.
 #pragma once
-#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "../motion.hpp"
 #include "prefetch.hpp"
@@ -23,8 +23,9 @@ class Driver {
 
   Driver(int threads, bool sleeps) : threads_(threads), may_sleep_(sleeps) {}
 
-  void allocate(const GridGeometry<T>& grid) {
+  void allocate(const GridGeometry<T>& grid, int arrays) {
     grid_ = grid;
+    buffers_.resize(arrays);
     for (auto& buffer : buffers_) buffer.assign(grid.field_count * grid.node_count(), {});
   }
   void reserve(std::size_t count) { store_.reserve(count); }
@@ -154,7 +155,7 @@ class Driver {
   GridGeometry<T> grid_;
   PointStore<T> store_;
   Points<T> points_{};
-  std::array<Array<Quad<T>>, 4> buffers_;
+  std::vector<Array<Quad<T>>> buffers_;
   Tiles tiles_;
   Sorter<T> sorter_;
   std::int64_t sorted_bundles_ = 0, disorder_ = 0, sorts_ = 0;

@@ -33,11 +33,13 @@ struct Machine {
       throw std::invalid_argument("live: more points than there are");
   }
 
-  // Arrays of the driver: two that take turns for momentum, one for forces, one for damping. The one for
-  // momentum that is free, all zero until velocities are mapped back, also serves contact.
+  // Arrays of the driver: two that take turns for momentum, one for forces, one for damping, and one for
+  // cells where volumetric strain is theirs. The one for momentum that is free, all zero until velocities are
+  // mapped back, also serves contact.
   Momentum<T> momentum() { return driver.template nodes<Nodal::momentum>(state.momentum); }
   Momentum<T> other_momentum() { return driver.template nodes<Nodal::momentum>(2 - state.momentum); }
   Surface<T> surface() { return driver.template nodes<Nodal::surface>(2 - state.momentum); }
+  Cells<T> cells() { return model.by_cells() ? driver.template nodes<Nodal::cell>(4) : Cells<T>{}; }
   Force<T> force() { return driver.template nodes<Nodal::force>(1); }
   Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }
 };

@@ -11,12 +11,14 @@ namespace pockmark {
 
 enum class Scheme { usf, musl, usl, usavg };
 enum class ShapeFunction { trilinear, quadratic };
+enum class VolumetricStrain { points, cells };
 
 struct Options {
   Scheme scheme;
   ShapeFunction shape;
-  double cfl;           // dt <= cfl h / (|v| + c)
-  double strain_limit;  // dt <= strain_limit / |tr D|
+  VolumetricStrain volumetric_strain;  // where a point takes it from
+  double cfl;                          // dt <= cfl h / (|v| + c)
+  double strain_limit;                 // dt <= strain_limit / |tr D|
   double pic_fraction;
   double mass_cutoff;  // in units of the lightest rho0 h^3
   bool sleep;          // points at rest are passed over
@@ -51,6 +53,7 @@ struct Model {
     cutoff = T(options.mass_cutoff * cell_mass / mass_unit);
   }
 
+  bool by_cells() const { return options.volumetric_strain == VolumetricStrain::cells; }
   double mass(const Points<T>& points, std::size_t p) const {
     return mass_unit * double(points.at(Field::mass)[p]);
   }

@@ -27,7 +27,7 @@ class Solver {
            {},
            {},
            {}} {
-    m_.driver.allocate(grid);
+    allocate();
   }
 
   const Model<T>& model() const { return m_.model; }
@@ -47,7 +47,7 @@ class Solver {
     grid.field_count = 2;
     if (2 * grid.node_count() >= UINT32_MAX)
       throw std::invalid_argument("set_contact: more than 4 billion nodes");
-    m_.driver.allocate(grid);
+    allocate();
     m_.model.in_second = std::move(in_second);
     m_.contact.emplace(grid, m_.model.faces, T(friction));
   }
@@ -149,6 +149,7 @@ class Solver {
   }
 
  private:
+  void allocate() { m_.driver.allocate(m_.model.grid, m_.model.by_cells() ? 5 : 4); }
   void begin_anchorage() {
     m_.transmitting.anchorage().begin(m_.model.grid, m_.model.materials.size());
     anchorage_bytes_ = m_.transmitting.anchorage().bytes();

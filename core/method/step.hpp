@@ -8,14 +8,9 @@
 #include "lines.hpp"
 #include "machine.hpp"
 #include "step_size.hpp"
+#include "volume.hpp"
 
 namespace pockmark {
-
-// A point that left, and through which face.
-struct Exit {
-  std::size_t point;
-  int face;
-};
 
 template <class Driver, class Shape>
 class Step {
@@ -24,14 +19,8 @@ class Step {
   using Hints = typename Driver::Hints;
 
  public:
-  // How a scheme pays the work of a strain: the duration of the strain (s), and the weights of the stress
-  // before and after it in the energy paid.
-  struct Pay {
-    double dt, old_share, new_share;
-  };
-
   explicit Step(Machine<Driver>& m)
-      : m_(m), model_(m.model), driver_(m.driver), state_(m.state), grid_(m.model.grid) {}
+      : m_(m), model_(m.model), driver_(m.driver), state_(m.state), grid_(m.model.grid), volume_(m) {}
 
   double dt() const { return state_.dt; }
   const std::vector<std::vector<Exit>>& exits() const { return exits_; }
@@ -67,24 +56,26 @@ class Step {
         m_.contact->template find<Shape>(model_, driver_, before, m_.surface(), T(dt()));
         fit(before);
       });
+    m_.timers.time("stress", [&] { volume_.find(before); });
     return before;
   }
 
-  // (3), (4): strains the points by a nodal velocity, and returns the forces of the new stress.
+  // (3), (4): strains the points by the velocity that was mapped, and returns the forces of the new stress.
   Force<T> stress_and_force(Velocity<T> velocity, const Pay& pay) {
     const auto force = m_.force();
     stress(velocity, pay, [&](auto&& update) {
       driver_.scatter([&](int slot, const Block& block) {
         Columns<T, 6> push;
         update(slot, block, push);
-        driver_.template add_force<Shape>(block, push, force);
+        add_forces(block, push, force);
       });
-      finish(force);
+      finish_forces(force);
     });
     return force;
   }
   // (3) alone: strains the points by a nodal velocity.
   void stress_only(Velocity<T> velocity, const Pay& pay) {
+    m_.timers.time("stress", [&] { volume_.find(velocity); });
     stress(velocity, pay, [&](auto&& update) {
       driver_.for_each_awake_block([&](int slot, const Block& block) {
         Columns<T, 6> push;
@@ -99,9 +90,9 @@ class Step {
       driver_.scatter([&](int, const Block& block) {
         Columns<T, 6> push;
         push_of_stress<V>(driver_.points(), model_.materials.data(), block, push);
-        driver_.template add_force<Shape>(block, push, force);
+        add_forces(block, push, force);
       });
-      finish(force);
+      finish_forces(force);
     });
     return force;
   }
@@ -188,9 +179,10 @@ class Step {
   }
   // Does the same, after a last strain by a nodal velocity.
   void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
+    m_.timers.time("move", [&] { volume_.find(by); });
     move_with(after, [&](const Block& block) {
       StrainColumns<T> strains;
-      gather_strain<Shape, V, Hints>(driver_.points(), grid_, block, by, T(dt), strains);
+      volume_.gather(block, by, T(dt), strains);
       strain_points<V, Hints>(driver_.points(), model_.materials.data(), block, strains);
     });
   }
@@ -217,6 +209,15 @@ class Step {
     constrain(driver_, grid_, model_.faces, velocity);
   }
 
+  void add_forces(const Block& block, Columns<T, 6>& push, Force<T> force) {
+    volume_.take_mean_stress(block, push);
+    driver_.template add_force<Shape>(block, push, force);
+  }
+  void finish_forces(Force<T> force) {
+    finish(force);
+    volume_.add_to(force);
+  }
+
   // Calls walk(update) with update(slot, block, push), which strains a block: block by block, while its
   // points are in the cache. Then takes what the blocks have counted.
   template <class Walk>
@@ -229,7 +230,7 @@ class Step {
         if (driver_.is_awake(slot)) audits[slot] = {};
       walk([&](int slot, const Block& block, Columns<T, 6>& push) {
         StrainColumns<T> strains;
-        gather_strain<Shape, V, Hints>(driver_.points(), grid_, block, velocity, step.dt, strains);
+        volume_.gather(block, velocity, step.dt, strains);
         update_stress<V, Hints>(driver_.points(), model_.materials.data(), grid_.cell, block, strains, step,
                                 audits[slot], push);
       });
@@ -289,6 +290,7 @@ class Step {
   Driver& driver_;
   State& state_;
   const GridGeometry<T>& grid_;
+  Volume<Driver, Shape> volume_;
   std::vector<std::vector<Exit>> exits_;  // of each slot in the last move
 };
 

@@ -1,9 +1,9 @@
 // The plain driver: one loop after another, a point at a time, in the order in which the points came. It is
 // what the CPU's driver is held against, and the shortest way to see what a driver must do.
 #pragma once
-#include <array>
 #include <cstdint>
 #include <stdexcept>
+#include <vector>
 
 #include "../transfer.hpp"
 
@@ -19,8 +19,9 @@ class Driver {
 
   Driver(int, bool) {}  // neither threads nor sleep
 
-  void allocate(const GridGeometry<T>& grid) {
+  void allocate(const GridGeometry<T>& grid, int arrays) {
     grid_ = grid;
+    buffers_.resize(arrays);
     for (auto& buffer : buffers_) buffer.assign(grid.field_count * grid.node_count(), {});
   }
   void reserve(std::size_t count) { store_.reserve(count); }
@@ -111,7 +112,7 @@ class Driver {
   GridGeometry<T> grid_;
   PointStore<T> store_;
   Points<T> points_{};
-  std::array<Array<Quad<T>>, 4> buffers_;
+  std::vector<Array<Quad<T>>> buffers_;
 };
 
 }  // namespace pockmark::plain

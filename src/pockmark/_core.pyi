@@ -32,8 +32,13 @@ class ShapeFunction(enum.Enum):
 
     quadratic = 1
 
+class VolumetricStrain(enum.Enum):
+    points = 0
+
+    cells = 1
+
 class Options:
-    def __init__(self, scheme: Scheme, shape: ShapeFunction, cfl: float, strain_limit: float, pic_fraction: float, mass_cutoff: float, sleep: bool) -> None: ...
+    def __init__(self, scheme: Scheme, shape: ShapeFunction, volumetric_strain: VolumetricStrain, cfl: float, strain_limit: float, pic_fraction: float, mass_cutoff: float, sleep: bool) -> None: ...
 
 class Material:
     """A material as it is written, SI."""

@@ -69,10 +69,13 @@ def aluminium(failure=None):
     return material(paper_eos(), johnson_cook(), failure=failure, q=(1.5, 0.06))
 
 
-def options(scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, strain_limit=0.2):
+def options(
+    scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, strain_limit=0.2, volume="points"
+):
     return core.Options(
         scheme=getattr(core.Scheme, scheme),
         shape=getattr(core.ShapeFunction, shape),
+        volumetric_strain=getattr(core.VolumetricStrain, volume),
         cfl=cfl,
         strain_limit=strain_limit,
         pic_fraction=pic,

@@ -9,15 +9,17 @@ STEPS = 60  # through impact, failure of points, several renewals of the faces' 
 UNSTABLE_STEPS = 30  # USL strains by the velocities of slivers of mass: it makes any rounding large
 SPEED = 3000.0
 SCHEMES = [
-    ("usf", "trilinear", False),
-    ("musl", "trilinear", False),
-    ("usl", "trilinear", False),
-    ("usavg", "trilinear", False),
-    ("usavg", "quadratic", False),
-    ("usavg", "trilinear", True),
-    ("usavg", "quadratic", True),
+    ("usf", "trilinear", False, "points"),
+    ("musl", "trilinear", False, "points"),
+    ("usl", "trilinear", False, "points"),
+    ("usavg", "trilinear", False, "points"),
+    ("usavg", "quadratic", False, "points"),
+    ("usavg", "trilinear", True, "points"),
+    ("usavg", "quadratic", True, "points"),
+    ("usavg", "trilinear", False, "cells"),
+    ("usavg", "quadratic", True, "cells"),
 ]
-WAYS = pytest.mark.parametrize(("scheme", "shape", "contact"), SCHEMES)
+WAYS = pytest.mark.parametrize(("scheme", "shape", "contact", "volume"), SCHEMES)
 # In the frame of the impact, z out of the target: the lower and upper faces of x, y, z.
 OPEN = {"x": (TRANSMITTING, TRANSMITTING), "y": (TRANSMITTING, TRANSMITTING), "z": (TRANSMITTING, FREE)}
 CELLS = np.array([6, 6, 5])  # of the target, each way from the middle and down
@@ -53,7 +55,7 @@ def run(axes, signs, way, *, degrees=0.0, kept=(False, False)):
 
     `degrees` of obliquity are towards x. `kept`: only x > 0, only y > 0 is computed, before a mirror.
     """
-    scheme, shape, contact = way
+    scheme, shape, contact, volume = way
     x, body = scene_points()
     there = np.all([x[:, a] > 0 for a in range(2) if kept[a]], axis=0) if any(kept) else np.ones(len(x), bool)
     velocity = np.array([np.sin(np.radians(degrees)), 0.0, -np.cos(np.radians(degrees))]) * SPEED
@@ -84,7 +86,7 @@ def run(axes, signs, way, *, degrees=0.0, kept=(False, False)):
         np.round(corners[1] - corners[0]),
         grid_faces,
         [aluminium_that_fails()] * 2,
-        options(scheme, shape),
+        options(scheme, shape, volume=volume),
         bodies,
         flies=[False, True],
         friction=0.3 if contact else None,
@@ -134,9 +136,9 @@ AS_IT_IS = ((0, 1, 2), (1, 1, 1))
 
 @WAYS
 @pytest.mark.parametrize("degrees", [0.0, 30.0])
-def test_mirrored(scheme, shape, contact, degrees):
+def test_mirrored(scheme, shape, contact, volume, degrees):
     """The same impact with x to the other side, and with z downwards."""
-    way = (scheme, shape, contact)
+    way = (scheme, shape, contact, volume)
     base = run(*AS_IT_IS, way, degrees=degrees)
     for signs in ((-1, 1, 1), (1, -1, 1), (1, 1, -1)):
         told(f"mirrored {signs}", way, difference(base, run((0, 1, 2), signs, way, degrees=degrees)), base[2])
@@ -144,18 +146,18 @@ def test_mirrored(scheme, shape, contact, degrees):
 
 @WAYS
 @pytest.mark.parametrize("degrees", [0.0, 30.0])
-def test_turned(scheme, shape, contact, degrees):
+def test_turned(scheme, shape, contact, volume, degrees):
     """The surface looks along x, along y, and the projectile comes along y."""
-    way = (scheme, shape, contact)
+    way = (scheme, shape, contact, volume)
     base = run(*AS_IT_IS, way, degrees=degrees)
     for axes in ((1, 2, 0), (2, 0, 1), (1, 0, 2)):
         told(f"turned {axes}", way, difference(base, run(axes, (1, 1, 1), way, degrees=degrees)), base[2])
 
 
 @WAYS
-def test_divided(scheme, shape, contact):
+def test_divided(scheme, shape, contact, volume):
     """A quarter and a half have the points of the whole; an oblique half too."""
-    way = (scheme, shape, contact)
+    way = (scheme, shape, contact, volume)
     whole = run(*AS_IT_IS, way)
     for kept in ((True, False), (False, True), (True, True)):
         told(f"kept {kept}", way, difference(whole, run(*AS_IT_IS, way, kept=kept)), whole[2])
@@ -165,8 +167,8 @@ def test_divided(scheme, shape, contact):
 
 
 @WAYS
-def test_a_symmetric_impact_stays_symmetric(scheme, shape, contact):
-    way = (scheme, shape, contact)
+def test_a_symmetric_impact_stays_symmetric(scheme, shape, contact, volume):
+    way = (scheme, shape, contact, volume)
     whole = run(*AS_IT_IS, way)
     for axis in (0, 1):
         told(f"about {'xy'[axis]} = 0", way, difference(whole, whole, flip=axis), whole[2])

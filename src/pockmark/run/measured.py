@@ -34,6 +34,7 @@ def measure_run(path: AnyPath) -> dict[str, Any]:
         "failure_treatment": treatments(scene),
         "scheme": scene.numerics.scheme,
         "shape_functions": scene.numerics.shape_functions,
+        "volumetric_strain": scene.numerics.volumetric_strain,
         "precision": scene.numerics.precision,
         "status": status,
         "torn_rows": folder.rows().torn,

@@ -247,6 +247,7 @@ def _make_solver(scene: Scene, threads: int, driver: str, *, sleep: bool) -> Any
         options=_core.Options(
             scheme=getattr(_core.Scheme, numerics.scheme),
             shape=getattr(_core.ShapeFunction, numerics.shape_functions),
+            volumetric_strain=getattr(_core.VolumetricStrain, numerics.volumetric_strain),
             cfl=numerics.cfl,
             strain_limit=numerics.strain_limit,
             pic_fraction=numerics.pic_fraction,

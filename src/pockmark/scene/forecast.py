@@ -45,6 +45,7 @@ def forecast(scene: Scene, threads: int) -> Forecast:
     points = sum(body.count(scene.grid.box) for body in scene.body)
     steps = math.ceil(scene.steps_about)
     slower = 2.8 if scene.numerics.shape_functions == "quadratic" else 1.0
+    slower += 0.3 if scene.numerics.volumetric_strain == "cells" else 0.0
     rate = TYPICAL_RATE[_core.build_info()["isa"]] * threads
     memory = _peak(scene, points)
     return Forecast(
@@ -78,7 +79,8 @@ def _peak(scene: Scene, points: int) -> float:
     number = 8 if scene.numerics.precision == "double" else 4
     nodes = scene.grid.node_count * (2 if scene.contact else 1)
     core = points * (NUMBERS_PER_POINT * number + BYTES_PER_POINT)
-    core += nodes * (NUMBERS_PER_NODE * number + BYTES_PER_NODE)
+    by_cells = 4 if scene.numerics.volumetric_strain == "cells" else 0
+    core += nodes * ((NUMBERS_PER_NODE + by_cells) * number + BYTES_PER_NODE)
     running = RUNNING + core + points * BYTES_PER_POINT_WRITTEN
     return max(running, DRAWING + points * BYTES_PER_POINT_MEASURED)
 

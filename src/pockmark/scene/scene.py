@@ -194,11 +194,15 @@ def _plain(table: Mapping[str, Any], source: str) -> dict[str, Any]:
 def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     """Return the hash of a scene's table, 16 hexadecimal digits.
 
-    The title is a part of it only if `titled`. The interval of the checkpoints never is.
+    The title is a part of it only if `titled`. The interval of the checkpoints never is, nor is a key that says what
+    was done before it was there.
     """
     hashed = {key: value for key, value in table.items() if titled or key != "title"}
     if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
         hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
+    if isinstance(numerics := hashed.get("numerics"), Mapping):
+        before = {"volumetric_strain": "points"}
+        hashed["numerics"] = {key: value for key, value in numerics.items() if value != before.get(key)}
     return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 

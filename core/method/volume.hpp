@@ -1,0 +1,70 @@
+// Where the points take their volumetric strain from, and where their mean stress goes: their own gradient,
+// or cells.
+#pragma once
+#include "../transfer.hpp"
+#include "machine.hpp"
+
+namespace pockmark {
+
+template <class Driver, class Shape>
+class Volume {
+  using T = typename Driver::Number;
+  using V = typename Driver::Values;
+  using Hints = typename Driver::Hints;
+
+ public:
+  explicit Volume(Machine<Driver>& m)
+      : driver_(m.driver),
+        grid_(m.model.grid),
+        faces_(m.model.faces),
+        cells_(m.cells()),
+        by_cells_(m.model.by_cells()) {}
+
+  // Finds the divergence of a nodal velocity in the cells; what pushed them before is gone.
+  void find(Velocity<T> velocity) {
+    if (!by_cells_) return;
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      find_cells(grid_, velocity, cells_, begin, end);
+    });
+    for_each_mirrored_cell(driver_, grid_, faces_,
+                           [&](std::size_t image, std::size_t cell) { cells_[image] = cells_[cell]; });
+  }
+  // Finds how a nodal velocity, of which find() knows, strains the points of a block.
+  void gather(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains) const {
+    const auto& points = driver_.points();
+    if (by_cells_)
+      gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt,
+                                     CellVolume<Shape, T>{grid_, cells_, dt}, strains);
+    else
+      gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, OwnVolume{}, strains);
+  }
+  // Takes the mean stress out of what a block pushes with, and pushes the cells with it.
+  void take_mean_stress(const Block& block, Columns<T, 6>& push) const {
+    if (!by_cells_) return;
+    T mean[Block::most];
+    take_mean(push, block.end - block.begin, mean);
+    for_each_bundle(block, [&](const Bundle& bundle) {
+      add_cell_push<Shape>(driver_.points(), grid_, bundle, mean + (bundle.begin - block.begin), cells_);
+    });
+  }
+  // Adds the forces of the pushed cells.
+  void add_to(Force<T> force) {
+    if (!by_cells_) return;
+    for_each_mirrored_cell(driver_, grid_, faces_, [&](std::size_t image, std::size_t cell) {
+      cells_[cell].v[cell_push] += cells_[image].v[cell_push];
+      cells_[image].v[cell_push] = T(0);
+    });
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      add_cell_forces(grid_, cells_, force, begin, end);
+    });
+  }
+
+ private:
+  Driver& driver_;
+  const GridGeometry<T>& grid_;
+  const Faces& faces_;
+  Cells<T> cells_;
+  bool by_cells_;
+};
+
+}  // namespace pockmark
