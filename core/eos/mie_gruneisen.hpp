@@ -8,7 +8,7 @@
 namespace pockmark {
 
 inline constexpr std::array mie_gruneisen_constants{
-    Constant{"c0", "m/s", 1, 1e5, "speed of sound at rest"},
+    Constant{"c0", "m/s", 50, 1e5, "speed of sound at rest"},
     Constant{"s", "", 0, 20, "slope of the shock's speed over that of the material behind it"},
     Constant{"gamma0", "", 0, 20, "Grueneisen's gamma at rest"},
 };

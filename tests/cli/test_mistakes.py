@@ -38,7 +38,7 @@ SLIPS = [
         "spacing='200 um', material='al2024-liu2015', rounded=true}",
         "body[0] 't': a spacing of 0.0002 m leaves it without points",
     ),
-    (f"{ALUMINIUM}.density=1e-300", f"{ALUMINIUM}.density: found 1e-300, allowed is 1 to 30000 kg/m^3"),
+    (f"{ALUMINIUM}.density=1e-300", f"{ALUMINIUM}.density: found 1e-300, allowed is 10 to 30000 kg/m^3"),
     ("end_time='1000 s'", "steps with waves of"),
     (
         "output.history='1e-9 ns'",

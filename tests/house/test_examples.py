@@ -20,15 +20,13 @@ from pockmark.study.campaign import cases, load
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^ *```(\w*)\n(.*?)^ *```$", re.M | re.S)
-# What makes the README's scene one of seconds; "5 um", which a command gives the projectile, has four cells still.
+# What makes the README's scene one of seconds. The cells stay: what a command asks for must go with them.
 SMALL = (
     "end_time='6 ns'",
-    "grid.cell='2.5 um'",
-    "grid.lower=['-25 um', '0 um', '-20 um']",
-    "grid.upper=['25 um', '25 um', '25 um']",
-    "body.target.lower=['-25 um', '0 um', '-20 um']",
-    "body.target.upper=['25 um', '25 um', '0 um']",
-    "body.projectile.spacing='1.25 um'",
+    "grid.lower=['-24 um', '0 um', '-20 um']",
+    "grid.upper=['24 um', '24 um', '24 um']",
+    "body.target.lower=['-24 um', '0 um', '-20 um']",
+    "body.target.upper=['24 um', '24 um', '0 um']",
     "output.snapshots='2 ns'",
 )
 # A run that has finished needs somewhere to go on to.

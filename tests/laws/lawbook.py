@@ -21,11 +21,12 @@ def materials(kind):
     """A material for each law of a kind that has constants of its own, by name; the other laws are a library material's."""
     found = {name: Material.model_validate(table) for name, table in library().items()}
     plain = library()["al2024-t351"]
+    simple = {table["model"] for table in SIMPLE[kind]}  # before a library's row with the same law
     for table in SIMPLE[kind]:
         free = {} if kind == "eos" else {"failure": {"model": "none"}}
         found[table["model"]] = Material.model_validate(plain | free | {kind: table})
     distinct = {}
-    for name, material in found.items():
+    for name, material in sorted(found.items(), key=lambda entry: entry[0] not in simple):
         distinct.setdefault(str(getattr(material, kind)), (name, material))
     return dict(distinct.values())
 

@@ -107,7 +107,7 @@ def test_a_stopped_run_goes_on_to_the_last_bit(variant, wholes, tmp_path, monkey
         stop.over()
     resumed = resume(folder, threads=2)
     assert resumed.is_finished
-    assert resumed.damaged == []
+    assert resumed.told == []
     assert differences(wholes(variant), folder) == []
     known = RunFolder(folder).manifest()
     assert [round(place["time"], 12) for place in known["resumed"]] == sorted(
@@ -141,14 +141,17 @@ def test_killed_while_it_goes_back_a_run_goes_on(moment, tmp_path, wholes, monke
     """The process ends between two writes; what it would still have done is not done."""
     folder = tmp_path / "run"
     run(folder, scene_of("end_time='20 ns'"))
-    killed_in = {"manifest": "change_end", "scene": "rewind", "history": "release"}[moment]
 
     def gone(*_, **__):
         raise SystemExit
 
-    monkeypatch.setattr(RunFolder, killed_in, gone)
-    if moment == "history":
-        monkeypatch.setattr(pipeline, "_run_into", gone)
+    match moment:
+        case "manifest":
+            monkeypatch.setattr(RunFolder, "change_end", gone)
+        case "scene":
+            monkeypatch.setattr(pipeline, "cut_back", gone)
+        case "history":
+            monkeypatch.setattr(pipeline, "_run_into", gone)
     with pytest.raises(SystemExit):
         resume(folder, end_time=40e-9)
     monkeypatch.undo()
@@ -202,7 +205,7 @@ def test_a_damaged_checkpoint_is_told_and_the_one_before_is_used(fault, stopped,
             newest.symlink_to(before)
     step = read_checkpoint(before).step
     resumed = resume(stopped)
-    (told,) = resumed.damaged
+    (told,) = resumed.told
     print(told)
     assert told.startswith(f"{newest}: ")
     assert resumed.begun.step == step
@@ -271,8 +274,98 @@ def test_a_checkpoint_of_another_scene_is_refused(stopped, tmp_path, monkeypatch
 def test_a_history_that_has_lost_rows_is_refused(stopped):
     history = stopped / "history.csv"
     history.write_bytes(history.read_bytes()[:500])
-    with pytest.raises(PockmarkError, match="its history has lost what was there at the checkpoint"):
+    with pytest.raises(PockmarkError, match=r"history\.csv: has lost what was there at the checkpoint"):
         resume(stopped)
+
+
+@pytest.mark.parametrize("change", ["lost", "edited", "ends of lines"])
+def test_a_refused_resume_changes_nothing(change, wholes, tmp_path):
+    """Also not the standing of a run that has finished, past whose end one would go on."""
+    folder = Path(shutil.copytree(wholes("double"), tmp_path / "run"))
+    history = folder / "history.csv"
+    match change:
+        case "lost":
+            history.unlink()
+        case "edited":
+            history.write_bytes(history.read_bytes().replace(b"\r\n0", b"\r\n00", 1))
+        case "ends of lines":
+            history.write_bytes(history.read_bytes().replace(b"\r\n", b"\n") + b" " * 10_000)
+    assert str(history) in refusal(folder, end_time=60e-9)
+
+
+def test_torn_checkpoints_of_a_killed_run_are_refused(stopped):
+    """It was not killed before its first checkpoint: to begin anew would take its snapshots."""
+    (stopped / "manifest.json").write_text(
+        (stopped / "manifest.json").read_text().replace('"interrupted"', '"running"')
+    )
+    for path in checkpoints(stopped):
+        path.write_bytes(path.read_bytes()[:1000])
+    assert "has no checkpoint to go on from" in refusal(stopped)
+
+
+def test_a_run_killed_before_its_first_checkpoint_begins_anew(stopped, wholes):
+    (stopped / "manifest.json").write_text(
+        (stopped / "manifest.json").read_text().replace('"interrupted"', '"running"')
+    )
+    for path in checkpoints(stopped):
+        path.unlink()
+    resumed = resume(stopped)
+    assert resumed.begun is None
+    assert resumed.is_finished
+    assert differences(wholes("double"), stopped) == []
+
+
+@pytest.mark.parametrize("number", [0, 9999])
+def test_a_folder_named_as_a_checkpoint_is_none(number, stopped, wholes):
+    (stopped / f"checkpoint-{number:04d}.h5").mkdir()
+    assert resume(stopped).is_finished
+    assert differences(wholes("double"), stopped) == []
+
+
+def test_a_lost_snapshot_is_told(stopped):
+    (stopped / "snapshot-0000.vtkhdf").unlink()
+    (told,) = resume(stopped).told
+    assert told == f"{stopped}: has lost snapshot 0, which no resume brings back"
+
+
+def test_another_core_is_told(stopped, monkeypatch):
+    monkeypatch.setattr(pipeline, "core_name", lambda: "another, cpu driver")
+    (told,) = resume(stopped).told
+    print(told)
+    assert "goes on by another, cpu driver: the last digits may differ" in told
+
+
+@pytest.mark.parametrize(
+    ("interval", "first", "last"),
+    [(20, 60, 80), (25, 325, 350), (5, 60, 85), (100, 1300, 1700), (10, 30, 40)],
+)
+def test_a_multiple_of_the_interval_is_the_end_itself(interval, first, last, tmp_path):
+    """3 x 2e-8 is not 6e-8: there was a step of 1e-23 s, and a resumed run had it where the other had not."""
+    tiny = (
+        "impact.speed='10 m/s'",
+        f"output.snapshots='{interval} ns'",
+        "output.history='100 ns'",
+        "grid.cell='20 um'",
+        "grid.lower=['-60 um', '0 um', '-60 um']",
+        "grid.upper=['60 um', '60 um', '40 um']",
+        "body.target.lower=['-60 um', '0 um', '-60 um']",
+        "body.target.upper=['60 um', '60 um', '0 um']",
+        "body.target.spacing='10 um'",
+        "body.projectile.spacing='5 um'",
+    )
+    for name, end in (("resumed", first), ("whole", last)):
+        run(tmp_path / name, scene_of(*tiny, f"end_time='{end} ns'"))
+        assert len(RunFolder(tmp_path / name).snapshots()) == end // interval + 1
+    assert resume(tmp_path / "resumed", end_time=last * 1e-9).is_finished
+    assert differences(tmp_path / "whole", tmp_path / "resumed") == []
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("end_time", "120 ns"), ("end_time", None.__class__), ("threads", 1.5), ("threads", "2")],
+)
+def test_values_of_another_type_are_told(name, value, stopped):
+    assert name in refusal(stopped, **{name: value})
 
 
 def test_what_is_over_is_not_gone_on_with(wholes, tmp_path):

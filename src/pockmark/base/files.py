@@ -89,14 +89,6 @@ def write_text(path: Path, text: str) -> None:
         file.write(text.encode())
 
 
-def size_on_disk(path: Path) -> int:
-    """Wait until a file is on the disk, and return its bytes. Raises PockmarkError."""
-    descriptor = open_regular(path, os.O_RDONLY)
-    with told(path), open(descriptor, "rb") as file:
-        os.fsync(descriptor)
-        return os.fstat(file.fileno()).st_size
-
-
 def cut_off(path: Path, size: int) -> None:
     """Remove what a file has beyond `size` bytes. Raises PockmarkError."""
     with told(path), open(open_regular(path, os.O_WRONLY), "wb", buffering=0) as file:

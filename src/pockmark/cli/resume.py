@@ -30,8 +30,8 @@ def resume(
             threads=thread_count(threads),
             progress=not quiet,
         )
-        for sentence in resumed.damaged:
-            CONSOLE.print(literal("not used:", "yellow"), literal(sentence))
+        for sentence in resumed.told:
+            CONSOLE.print(literal("note:", "yellow"), literal(sentence))
         begun = resumed.begun
         CONSOLE.print(
             f"went on from step {begun.step:,}, {begun.time * 1e9:.4g} ns"

@@ -36,7 +36,8 @@ class Checkpoint:
     course: str
     acted: list[int]
     tasks: list[dict[str, Any]]
-    files: dict[str, int]
+    files: dict[str, Any]
+    core: str
     parts: Mapping[str, Any] = field(repr=False)
 
 

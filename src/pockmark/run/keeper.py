@@ -7,7 +7,8 @@ from pathlib import Path
 
 from ..base.errors import PockmarkError
 from .checkpoint import Checkpoint, ForeignError, read_checkpoint, write_checkpoint
-from .simulation import Simulation
+from .extent import extent_of
+from .simulation import Simulation, core_name
 from .store import RunFolder
 from .tasks import KeptTask
 
@@ -49,7 +50,8 @@ class Keeper:
             course=simulation.scene.course,
             acted=simulation.acted,
             tasks=[task.state() for task in self._tasks],
-            files=self._folder.extent(),
+            files=extent_of(self._folder),
+            core=core_name(),
             parts=simulation.save(),
         )
         write_checkpoint(self._folder.path / f"checkpoint-{number:04d}.h5", state)
@@ -65,7 +67,8 @@ class Keeper:
 
 def checkpoints(folder: Path) -> list[Path]:
     """Return the checkpoint files of a run folder, the newest last."""
-    numbered = {path: n for path in folder.iterdir() if (n := _number(path)) is not None}
+    found = [path for path in folder.iterdir() if path.is_symlink() or not path.is_dir()]
+    numbered = {path: n for path in found if (n := _number(path)) is not None}
     return sorted(numbered, key=lambda path: numbered[path])
 
 

@@ -1,5 +1,6 @@
 """The way from a scene to a run folder, and on from a checkpoint."""
 
+import numbers
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -7,31 +8,32 @@ from typing import Any, NamedTuple
 
 from .. import __version__
 from ..base.counters import GONE
-from ..base.errors import PockmarkError
+from ..base.errors import PockmarkError, found
 from ..base.files import AnyPath
 from ..base.lengths import in_metres
 from ..scene.scene import Scene
 from ..scene.warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
 from .checkpoint import Checkpoint
+from .extent import NOTHING, cut_back, lacking, require_extent
 from .keeper import Keeper, newest_good
 from .provenance import now
-from .simulation import Simulation, Task
+from .simulation import Simulation, Task, core_name, rounded_time
 from .stop import heard_between_steps
-from .store import NOTHING, RunFolder
+from .store import RunFolder
 from .tasks import History, KeptTask, ProgressBar, Snapshots
 
 
 class Resumed(NamedTuple):
     """A run that went on.
 
-    `begun` is the checkpoint from which it went on, None if it began anew. `damaged` says of each newer checkpoint
-    what is wrong with it.
+    `begun` is the checkpoint from which it went on, None if it began anew. `told` says of each newer checkpoint what
+    is wrong with it, and what else is not as it was.
     """
 
     folder: RunFolder
     is_finished: bool
     begun: Checkpoint | None
-    damaged: list[str]
+    told: list[str]
 
 
 def run_scene(
@@ -76,6 +78,7 @@ def resume_run(
         try:
             scene = _to_the_end(folder, end_time)
             begun, damaged = _beginning(folder, scene)
+            told = [*damaged.values(), *_differences(folder, begun)]
             simulation = Simulation(scene, threads, parts=begun.parts if begun else None)
             stop_if_asked()  # before anything is taken off
             _go_back(folder, scene, begun)
@@ -85,7 +88,7 @@ def resume_run(
             folder.release()
             raise
         status = _run_into(folder, simulation, stop_if_asked, progress=progress, begun=begun)
-    return Resumed(folder, status == "finished", begun, [*damaged.values()])
+    return Resumed(folder, status == "finished", begun, told)
 
 
 def can_resume(path: AnyPath, scene: Scene) -> bool:
@@ -94,11 +97,7 @@ def can_resume(path: AnyPath, scene: Scene) -> bool:
         folder = RunFolder.open(path)
         known = folder.manifest()
         is_ours = known.get("pockmark") == __version__ and folder.scene().hash == scene.hash
-        return (
-            is_ours
-            and known["status"] != "finished"
-            and newest_good(folder.path, scene.course)[0] is not None
-        )
+        return is_ours and known["status"] != "finished" and _beginning(folder, scene)[0] is not None
     except PockmarkError:
         return False
 
@@ -109,14 +108,26 @@ def _beginning(folder: RunFolder, scene: Scene) -> tuple[Checkpoint | None, dict
     The checkpoint is None if the run begins anew. Raises PockmarkError where that would lose a result.
     """
     begun, damaged = newest_good(folder.path, scene.course)
-    if begun is None and folder.manifest()["status"] != "running":
+    if begun is None and (damaged or folder.manifest()["status"] != "running"):
         why = next(iter(damaged.values()), "output.checkpoints was 0")
         raise PockmarkError(f"{folder.path}: has no checkpoint to go on from ({why})")
-    if begun and begun.time > scene.end_time:
+    if begun and begun.time > rounded_time(scene.end_time):
         raise PockmarkError(
             f"{folder.path}: its checkpoint is of {begun.time:.4g} s, beyond the end at {scene.end_time:.4g} s"
         )
+    if begun:
+        require_extent(folder, begun.files)
     return begun, damaged
+
+
+def _differences(folder: RunFolder, begun: Checkpoint | None) -> list[str]:
+    """Return what makes a resumed run another one than an uninterrupted run, a sentence each."""
+    if begun is None:
+        return []
+    told = lacking(folder, begun.files)
+    if begun.core != core_name():
+        told.append(f"was computed by {begun.core}, goes on by {core_name()}: the last digits may differ")
+    return told
 
 
 def _to_the_end(folder: RunFolder, end_time: float | None) -> Scene:
@@ -126,6 +137,8 @@ def _to_the_end(folder: RunFolder, end_time: float | None) -> Scene:
         raise PockmarkError(f"{folder.path}: has finished; --end-time goes on past its end")
     if end_time is None:
         return scene
+    if not isinstance(end_time, numbers.Real):
+        raise PockmarkError(f"end_time: {found(end_time)}, expected a number of seconds")
     if not end_time >= scene.end_time:
         raise PockmarkError(
             f"end_time: found {end_time:.4g} s, the run's is {scene.end_time:.4g} s: a later one is needed"
@@ -145,7 +158,7 @@ def _go_back(folder: RunFolder, scene: Scene, begun: Checkpoint | None) -> None:
     folder.write_manifest(kept | {"status": "running", "resumed": resumed})
     if scene.hash != known["scene_hash"]:
         folder.change_end(scene)
-    folder.rewind(begun.files if begun else NOTHING)
+    cut_back(folder, begun.files if begun else NOTHING)
 
 
 def _run_into(

@@ -1,6 +1,7 @@
 """A simulation: the core's solver, stepped from event to event."""
 
 import math
+import numbers
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -175,16 +176,18 @@ class Simulation:
         end = self.scene.end_time if end_time is None else end_time
         if not math.isfinite(end):
             raise PockmarkError(f"end_time: {found(end)}, expected a finite time in s")
-        self.end_time = end
+        end = self.end_time = rounded_time(end)
         counts = self.acted = [*acted] if acted else [0] * len(tasks)
         while True:
             for i, task in enumerate(tasks):
-                if self.time >= min(counts[i] * task.interval, end):
+                if self.time >= min(rounded_time(counts[i] * task.interval), end):
                     task.act(self)
                     counts[i] += 1
             if self.time >= end:
                 return
-            due = [(n * task.interval, task.exact) for n, task in zip(counts, tasks, strict=True)]
+            due = [
+                (rounded_time(n * task.interval), task.exact) for n, task in zip(counts, tasks, strict=True)
+            ]
             target = min([end, *(time for time, exact in due if exact)])
             pause = min([end, *(time for time, exact in due if not exact)])
             while self.time < min(target, pause):
@@ -194,6 +197,16 @@ class Simulation:
                     watch(self)
 
 
+def rounded_time(time_s: float) -> float:
+    """Return a time (s) in twelve digits: so the third multiple of 20 ns is 60 ns, and no step is a sliver between the two."""
+    return float(f"{time_s:.12g}")
+
+
+def core_name() -> str:
+    """Return what computes: the instruction set and the driver. Another one differs in the last digits."""
+    return f"{_core.build_info()['isa']}, {_core.DRIVER} driver"
+
+
 def thread_count(asked: int | None) -> int:
     """Return the number of threads to use: every core for 0 or None.
 
@@ -201,7 +214,7 @@ def thread_count(asked: int | None) -> int:
     """
     cores = len(os.sched_getaffinity(0))
     most = 4 * cores
-    if not 0 <= (asked or 0) <= most:
+    if not (asked is None or isinstance(asked, numbers.Integral)) or not 0 <= (asked or 0) <= most:
         raise PockmarkError(
             f"threads: found {asked}, allowed are 1 to {most} (four a core), and 0 for every core"
         )

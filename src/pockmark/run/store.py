@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, cut_off, read_text, size_on_disk, told, write_text
+from ..base.files import AnyPath, as_path, read_text, told, write_text
 from ..base.json import to_json
 from ..base.toml import parse_toml
 from ..scene.scene import Scene, hash_of
@@ -35,7 +35,6 @@ OWN_FILES = (
 )
 SNAPSHOT = re.compile(r"snapshot-(\d{1,9})\.vtkhdf")
 UNENDED = ("running", "killed")
-NOTHING = {"history": 0, "snapshot": -1}  # the extent of a run that has just begun
 
 
 class RunFolder:
@@ -120,13 +119,13 @@ class RunFolder:
 
     def clear(self) -> None:
         """Remove what pockmark has written; other files stay."""
-        self._clear_parts()  # first: a folder without a manifest is no run
+        self.clear_parts()  # first: a folder without a manifest is no run
         for pattern in OWN_FILES:
             for file in self.path.glob(pattern):
                 with told(file):
                     file.unlink()
 
-    def _clear_parts(self) -> None:
+    def clear_parts(self) -> None:
         """Remove what a process was writing when it was killed."""
         for pattern in OWN_FILES:
             for file in self.path.glob(f"{pattern}*.part"):
@@ -188,36 +187,6 @@ class RunFolder:
         write_text(self.path / "scene.toml", scene.to_toml())
         self.write_manifest(known | {"scene_hash": scene.hash, "earlier_scene_hashes": earlier})
 
-    def extent(self) -> dict[str, int]:
-        """Return how far the files are: bytes of history.csv, number of the last snapshot (-1 for none).
-
-        It waits until they are on the disk.
-        """
-        history, last = self.path / HISTORY, self.snapshots()[-1:]
-        extent = dict(NOTHING)
-        if history.exists():
-            extent["history"] = size_on_disk(history)
-        for path in last:
-            size_on_disk(path)
-            extent["snapshot"] = _number(path) or 0
-        return extent
-
-    def rewind(self, extent: Mapping[str, int]) -> None:
-        """Remove what was written since the files were as far as `extent`.
-
-        Raises PockmarkError if the folder lacks what it had then.
-        """
-        self._clear_parts()
-        now = self.extent()
-        if lacking := [name for name in extent if now[name] < extent[name]]:
-            raise PockmarkError(f"{self.path}: its {lacking[0]} has lost what was there at the checkpoint")
-        if now["history"] > extent["history"]:
-            cut_off(self.path / HISTORY, extent["history"])
-        for path in self.snapshots():
-            if (_number(path) or 0) > extent["snapshot"]:
-                with told(path):
-                    path.unlink()
-
     def append_history(self, row: Mapping[str, float]) -> None:
         """Add a row to history.csv. The first row writes the header."""
         append_row(self.path / HISTORY, row)
@@ -239,7 +208,7 @@ class RunFolder:
     def snapshots(self) -> list[Path]:
         """Return the snapshot files in the order of time."""
         with told(self.path):
-            numbered = {path: _number(path) for path in self.path.iterdir()}
+            numbered = {path: number_of(path) for path in self.path.iterdir()}
         return sorted(
             (path for path, n in numbered.items() if n is not None), key=lambda path: numbered[path] or 0
         )
@@ -247,7 +216,7 @@ class RunFolder:
     def write_snapshot(self, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> Path:
         """Write all fields of all points as the next snapshot, and return its file."""
         found = self.snapshots()
-        number = 1 + (_number(found[-1]) or 0) if found else 0
+        number = 1 + (number_of(found[-1]) or 0) if found else 0
         path = self.path / f"snapshot-{number:04d}.vtkhdf"
         write_snapshot(path, fields, time_s, step, str(self.manifest()["scene_hash"]))
         return path
@@ -275,7 +244,7 @@ class RunFolder:
         return read
 
 
-def _number(path: Path) -> int | None:
+def number_of(path: Path) -> int | None:
     """Return the number of a snapshot's file; None for another file."""
     name = SNAPSHOT.fullmatch(path.name)
     return int(name[1]) if name else None

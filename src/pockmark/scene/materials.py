@@ -101,7 +101,7 @@ class Material(Model):
     """A material, SI inside."""
 
     source: str
-    density: Annotated[float, quantity("kg/m^3", 1.0, 3e4)]
+    density: Annotated[float, quantity("kg/m^3", 10.0, 3e4)]
     eos: Eos
     strength: Strength
     failure: Failure
