@@ -1,0 +1,102 @@
+"""Compare the step of two checkouts, case by case, in one run: `python benchmarks/paired.py OLD/src NEW/src > benchmarks/paired.csv`.
+
+Each checkout, with its core built, steps the same impact in a process of its own; the two take turns, so that what else
+runs on the machine slows both. A row has the rates of the new one and the median of new time by old, with its quartiles.
+"""
+
+import csv
+import json
+import os
+import statistics
+import subprocess
+import sys
+
+TURNS, STEPS, WARM_UP = 15, 8, 40
+USF, MUSL, USL = (f"numerics.scheme={scheme}" for scheme in ("usf", "musl", "usl"))
+SINGLE, QUADRATIC = "numerics.precision=single", "numerics.shape_functions=quadratic"
+CASES = {  # instruction set, threads, changes of the scene: the rows of rates.csv
+    "usf": ("avx512", 1, [USF]),
+    "usf, two threads": ("avx512", 2, [USF]),
+    "usf, single": ("avx512", 1, [USF, SINGLE]),
+    "usf, AVX2": ("avx2", 1, [USF]),
+    "usf, plain x86-64": ("scalar", 1, [USF]),
+    "usavg": ("avx512", 1, []),
+    "usavg, two threads": ("avx512", 2, []),
+    "usavg, single": ("avx512", 1, [SINGLE]),
+    "usavg, single, two threads": ("avx512", 2, [SINGLE]),
+    "usavg, AVX2": ("avx2", 1, []),
+    "usavg, plain x86-64": ("scalar", 1, []),
+    "musl": ("avx512", 1, [MUSL]),
+    "usl, cut-off .01": ("avx512", 1, [USL, "numerics.mass_cutoff=0.01"]),
+    "usf, quadratic": ("avx512", 1, [USF, QUADRATIC]),
+    "usavg, quadratic": ("avx512", 1, [QUADRATIC]),
+}
+# What a checkout runs: it answers each number of steps with the seconds that a point took in one.
+STEPPER = """
+import json, sys, time
+try:
+    from pockmark.run.bench import bench_scene
+    from pockmark.run.simulation import Simulation
+except ImportError:  # before the package had rooms
+    from pockmark.bench import bench_scene
+    from pockmark.simulation import Simulation
+threads, changes = json.loads(sys.argv[1])
+simulation = Simulation(bench_scene(252_112, tuple(changes)), threads)
+for line in sys.stdin:
+    start = time.perf_counter()
+    points, done = simulation.points, simulation.advance(1.0, max_steps=int(line))
+    print((time.perf_counter() - start) / (points * done), flush=True)
+"""
+
+
+def stepper(source: str, isa: str, threads: int, changes: list[str]) -> subprocess.Popen[str]:
+    """Start a process that steps with the checkout at `source`."""
+    environment = os.environ | {"PYTHONPATH": source, "POCKMARK_ISA": isa}
+    command = [sys.executable, "-c", STEPPER, json.dumps([threads, changes])]
+    return subprocess.Popen(
+        command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+
+
+def seconds(process: subprocess.Popen[str], steps: int) -> float:
+    """Let a process do some steps. Return the seconds of a particle-step."""
+    assert process.stdin
+    assert process.stdout
+    process.stdin.write(f"{steps}\n")
+    process.stdin.flush()
+    return float(process.stdout.readline())
+
+
+def main() -> None:
+    """Write a row for each case."""
+    old, new = sys.argv[1:3]
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(
+        [
+            "case",
+            "old_M_particle_steps_s",
+            "new_M_particle_steps_s",
+            "new_time_by_old",
+            "lower_quartile",
+            "upper_quartile",
+        ]
+    )
+    for case, (isa, threads, changes) in CASES.items():
+        both = [stepper(source, isa, threads, changes) for source in (old, new)]
+        for process in both:
+            seconds(process, WARM_UP)
+        times = [[seconds(process, STEPS) for process in both] for _ in range(TURNS)]
+        for process in both:
+            process.kill()
+            process.communicate()
+        ratios = [after / before for before, after in times]
+        rates = [1e-6 / statistics.median(column) for column in zip(*times, strict=True)]
+        quartiles = statistics.quantiles(ratios)
+        writer.writerow(
+            [case, *(f"{rate:.2f}" for rate in rates), *(f"{quartiles[i]:.3f}" for i in (1, 0, 2))]
+        )
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
