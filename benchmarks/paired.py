@@ -11,26 +11,9 @@ import statistics
 import subprocess
 import sys
 
+from run import CASES
+
 TURNS, STEPS, WARM_UP = 15, 8, 40
-USF, MUSL, USL = (f"numerics.scheme={scheme}" for scheme in ("usf", "musl", "usl"))
-SINGLE, QUADRATIC = "numerics.precision=single", "numerics.shape_functions=quadratic"
-CASES = {  # instruction set, threads, changes of the scene: the rows of rates.csv
-    "usf": ("avx512", 1, [USF]),
-    "usf, two threads": ("avx512", 2, [USF]),
-    "usf, single": ("avx512", 1, [USF, SINGLE]),
-    "usf, AVX2": ("avx2", 1, [USF]),
-    "usf, plain x86-64": ("scalar", 1, [USF]),
-    "usavg": ("avx512", 1, []),
-    "usavg, two threads": ("avx512", 2, []),
-    "usavg, single": ("avx512", 1, [SINGLE]),
-    "usavg, single, two threads": ("avx512", 2, [SINGLE]),
-    "usavg, AVX2": ("avx2", 1, []),
-    "usavg, plain x86-64": ("scalar", 1, []),
-    "musl": ("avx512", 1, [MUSL]),
-    "usl, cut-off .01": ("avx512", 1, [USL, "numerics.mass_cutoff=0.01"]),
-    "usf, quadratic": ("avx512", 1, [USF, QUADRATIC]),
-    "usavg, quadratic": ("avx512", 1, [QUADRATIC]),
-}
 # What a checkout runs: it answers each number of steps with the seconds that a point took in one.
 STEPPER = """
 import json, sys, time
@@ -49,9 +32,18 @@ for line in sys.stdin:
 """
 
 
+def in_python(arguments: list[str]) -> tuple[int, list[str]]:
+    """Return the threads and the changes of the scene that the arguments of `pockmark bench` ask for."""
+    given = list(zip(arguments[::2], arguments[1::2], strict=True))
+    threads = next((int(value) for option, value in given if option == "--threads"), 1)
+    changes = [value for option, value in given if option == "--set"]
+    changes += [f"numerics.precision={value}" for option, value in given if option == "--precision"]
+    return threads, changes
+
+
 def stepper(source: str, isa: str, threads: int, changes: list[str]) -> subprocess.Popen[str]:
     """Start a process that steps with the checkout at `source`."""
-    environment = os.environ | {"PYTHONPATH": source, "POCKMARK_ISA": isa}
+    environment = os.environ | {"PYTHONPATH": source} | ({"POCKMARK_ISA": isa} if isa else {})
     command = [sys.executable, "-c", STEPPER, json.dumps([threads, changes])]
     return subprocess.Popen(
         command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -81,8 +73,8 @@ def main() -> None:
             "upper_quartile",
         ]
     )
-    for case, (isa, threads, changes) in CASES.items():
-        both = [stepper(source, isa, threads, changes) for source in (old, new)]
+    for case, (isa, arguments) in CASES.items():
+        both = [stepper(source, isa, *in_python(arguments)) for source in (old, new)]
         for process in both:
             seconds(process, WARM_UP)
         times = [[seconds(process, STEPS) for process in both] for _ in range(TURNS)]

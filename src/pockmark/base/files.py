@@ -95,6 +95,22 @@ def cut_off(path: Path, size: int) -> None:
         file.truncate(size)
 
 
+def remove(path: Path) -> None:
+    """Remove a file, if it is there. Raises PockmarkError."""
+    with told(path):
+        path.unlink(missing_ok=True)
+
+
+def numbered(folder: Path, name: re.Pattern[str]) -> dict[Path, int]:
+    """Return the paths in a folder whose names match, with the number that is the pattern's group, in its order.
+
+    Raises PockmarkError.
+    """
+    with told(folder):
+        found = {path: int(match[1]) for path in folder.iterdir() if (match := name.fullmatch(path.name))}
+    return dict(sorted(found.items(), key=lambda entry: entry[1]))
+
+
 @contextmanager
 def told(path: str | Path) -> Iterator[None]:
     """Turn a failure of the system into a PockmarkError of one sentence about `path`."""

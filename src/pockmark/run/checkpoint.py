@@ -1,9 +1,7 @@
 """Checkpoints: all that a run needs to go on, in a file with check sums and a version."""
 
 import json
-import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
@@ -13,9 +11,9 @@ import numpy as np
 
 from .. import PHYSICS
 from ..base.errors import PockmarkError
-from ..base.files import open_regular, reason
-from .hdf5 import checked, put, written
+from .hdf5 import checked, opened, put, written
 
+DAMAGED = "is no whole checkpoint"
 FORMAT = 1  # version of what is written here
 
 
@@ -66,7 +64,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
     Its arrays are read again, one by one, when they are asked for. Raises ForeignError for one of another format or
     physics, PockmarkError for one that is torn or altered.
     """
-    with _opened(path) as (file, size):
+    with opened(path, DAMAGED) as (file, size):
         about = _about(file, size)
         for n, _ in enumerate(about["arrays"]):
             checked(file, f"parts/{n}", size)
@@ -88,7 +86,7 @@ class _Parts(Mapping[str, Any]):
         if name in self._numbers:
             return self._numbers[name]
         place = self._places[name]
-        with _opened(self._path) as (file, size):
+        with opened(self._path, DAMAGED) as (file, size):
             return checked(file, place, size)
 
     def __iter__(self) -> Iterator[str]:
@@ -97,24 +95,6 @@ class _Parts(Mapping[str, Any]):
 
     def __len__(self) -> int:
         return len(self._numbers) + len(self._places)
-
-
-@contextmanager
-def _opened(path: Path) -> Iterator[tuple[h5py.File, int]]:
-    """Give an open file and its size in bytes. Raises PockmarkError, also for what fails inside."""
-    descriptor = open_regular(path, os.O_RDONLY)
-    try:
-        # By the descriptor: the name may stand for another file by now.
-        with h5py.File(f"/proc/self/fd/{descriptor}", "r") as file:
-            yield file, os.fstat(descriptor).st_size
-    except ForeignError as error:
-        raise ForeignError(f"{path}: {error}") from None
-    except PockmarkError as error:
-        raise PockmarkError(f"{path}: {error}") from None
-    except Exception as error:  # of a damaged file HDF5 raises any kind
-        raise PockmarkError(f"{path}: is no whole checkpoint ({reason(error)[:150]})") from None
-    finally:
-        os.close(descriptor)
 
 
 def _about(file: h5py.File, size: int) -> dict[str, Any]:

@@ -7,25 +7,25 @@ from pathlib import Path
 from typing import Any
 
 from ..base.errors import PockmarkError
-from ..base.files import cut_off, open_regular, told
-from .store import HISTORY, RunFolder, number_of
+from ..base.files import cut_off, numbered, open_regular, remove, told
+from .store import HISTORY, SNAPSHOT, RunFolder
 
 NOTHING: Mapping[str, Any] = {"history": 0, "history_sum": 0, "snapshots": []}  # of a run that has just begun
 
 
 def extent_of(folder: RunFolder) -> dict[str, Any]:
     """Return the bytes of history.csv, their check sum, and the numbers of the snapshots, once they are on the disk."""
-    history, snapshots = folder.path / HISTORY, folder.snapshots()
+    history = folder.path / HISTORY
     extent = dict(NOTHING)
     if history.exists():
         content = _on_disk(history)
         extent |= {"history": len(content), "history_sum": zlib.crc32(content)}
-    extent["snapshots"] = [number_of(path) for path in snapshots]
+    extent["snapshots"] = [*numbered(folder.path, SNAPSHOT).values()]
     return extent
 
 
 def require_extent(folder: RunFolder, extent: Mapping[str, Any]) -> None:
-    """Raise PockmarkError if a folder lacks, or has altered, what a run reads of it to go on: history.csv and the last snapshot."""
+    """Raise PockmarkError if history.csv has lost or altered what it had then: the run goes on with its rows."""
     history = folder.path / HISTORY
     content = _on_disk(history) if history.exists() else b""
     if len(content) < extent["history"]:
@@ -36,7 +36,7 @@ def require_extent(folder: RunFolder, extent: Mapping[str, Any]) -> None:
 
 def lacking(folder: RunFolder, extent: Mapping[str, Any]) -> list[str]:
     """Return a sentence for snapshots that were there: nothing is computed from them, but they will be missed."""
-    there = {number_of(path) for path in folder.snapshots()}
+    there = numbered(folder.path, SNAPSHOT).values()
     if lost := [number for number in extent["snapshots"] if number not in there]:
         return [
             f"{folder.path}: has lost snapshot {', '.join(map(str, lost[:10]))}, which no resume brings back"
@@ -50,10 +50,9 @@ def cut_back(folder: RunFolder, extent: Mapping[str, Any]) -> None:
     history = folder.path / HISTORY
     if history.exists():
         cut_off(history, extent["history"])
-    for path in folder.snapshots():
-        if number_of(path) not in extent["snapshots"]:
-            with told(path):
-                path.unlink()
+    for path, number in numbered(folder.path, SNAPSHOT).items():
+        if number not in extent["snapshots"]:
+            remove(path)
 
 
 def _on_disk(path: Path) -> bytes:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import PockmarkError
-from ..base.files import reason, replaced
+from ..base.files import open_regular, reason, replaced
 
 VERSION = "v108"  # the first of HDF5's formats in which its own tables have check sums
 SUM = "crc32"
@@ -71,6 +71,26 @@ class _Disk(io.FileIO):
             return self.tell()
 
 
+@contextmanager
+def opened(path: Path, damaged: str, lead: str = "") -> Iterator[tuple[h5py.File, int]]:
+    """Give a file to read, and its size in bytes.
+
+    Whatever fails inside is raised as a PockmarkError that names the file: `damaged` says what a file is where HDF5 finds
+    a fault, `lead` comes before a sentence of pockmark's own.
+    """
+    descriptor = open_regular(path, os.O_RDONLY)
+    try:
+        # By the descriptor: the name may stand for another file by now.
+        with h5py.File(f"/proc/self/fd/{descriptor}", "r") as file:
+            yield file, os.fstat(descriptor).st_size
+    except PockmarkError as error:
+        raise type(error)(f"{path}: {lead}{error}") from None
+    except Exception as error:  # of a damaged file HDF5 raises any kind
+        raise PockmarkError(f"{path}: {damaged} ({reason(error)[:150]})") from None
+    finally:
+        os.close(descriptor)
+
+
 def put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
     """Write a dataset with the check sum of its bytes."""
     group.create_dataset(name, data=values).attrs[SUM] = np.uint32(sum_of(values))
@@ -110,7 +130,11 @@ def dataset_in(root: h5py.Group, place: str, size: int) -> h5py.Dataset:
 
 def checked(root: h5py.Group, place: str, size: int) -> NDArray[Any]:
     """Return a dataset's values. Raises PockmarkError unless its check sum is that of its values."""
-    dataset = dataset_in(root, place, size)
+    return values_of(dataset_in(root, place, size), place)
+
+
+def values_of(dataset: h5py.Dataset, place: str) -> NDArray[Any]:
+    """Return the values of a dataset that lies at `place`. Raises PockmarkError unless its check sum is theirs."""
     values, expected = np.asarray(dataset[...]), dataset.attrs.get(SUM)
     if expected is None or sum_of(values) != int(expected):
         raise PockmarkError(f"{place} is not what was written (its check sum differs)")

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..base.errors import PockmarkError
+from ..base.files import numbered, remove
 from .checkpoint import Checkpoint, ForeignError, read_checkpoint, write_checkpoint
 from .extent import extent_of
 from .simulation import Simulation, core_name
@@ -42,8 +43,7 @@ class Keeper:
         """Write a checkpoint, unless there is one of this step. Raises PockmarkError; the older ones then stay."""
         if not self._interval or simulation.steps == self._step:
             return
-        found = checkpoints(self._folder.path)
-        number = 1 + (_number(found[-1]) or 0) if found else 0
+        number = 1 + max(_numbered(self._folder.path).values(), default=-1)
         state = Checkpoint(
             step=simulation.steps,
             time=simulation.time,
@@ -56,20 +56,24 @@ class Keeper:
         )
         write_checkpoint(self._folder.path / f"checkpoint-{number:04d}.h5", state)
         for path in checkpoints(self._folder.path)[:-KEPT]:
-            path.unlink(missing_ok=True)
+            remove(path)
         self._last, self._step = time.monotonic(), simulation.steps
 
     def finish(self) -> None:
         """Remove all checkpoints but the newest: a run that has ended goes on from that one, if at all."""
         for path in checkpoints(self._folder.path)[:-1]:
-            path.unlink(missing_ok=True)
+            remove(path)
 
 
 def checkpoints(folder: Path) -> list[Path]:
     """Return the checkpoint files of a run folder, the newest last."""
-    found = [path for path in folder.iterdir() if path.is_symlink() or not path.is_dir()]
-    numbered = {path: n for path in found if (n := _number(path)) is not None}
-    return sorted(numbered, key=lambda path: numbered[path])
+    return list(_numbered(folder))
+
+
+def _numbered(folder: Path) -> dict[Path, int]:
+    """Return the checkpoint files with their numbers. A folder of such a name is none."""
+    found = numbered(folder, FILE)
+    return {path: number for path, number in found.items() if path.is_symlink() or not path.is_dir()}
 
 
 def newest_good(folder: Path, course: str) -> tuple[Checkpoint | None, dict[Path, str]]:
@@ -90,9 +94,3 @@ def newest_good(folder: Path, course: str) -> tuple[Checkpoint | None, dict[Path
             raise ForeignError(f"{path}: is a checkpoint of another scene than this run's")
         return found, damaged
     return None, damaged
-
-
-def _number(path: Path) -> int | None:
-    """Return the number of a checkpoint's file, None for another file."""
-    name = FILE.fullmatch(path.name)
-    return int(name[1]) if name else None

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from .. import __version__
 from ..base.counters import GONE
 from ..base.errors import PockmarkError, found
-from ..base.files import AnyPath
+from ..base.files import AnyPath, remove
 from ..base.lengths import in_metres
 from ..scene.scene import Scene
 from ..scene.warnings import MIN_CELLS_ACROSS, cells_across, is_too_coarse
@@ -83,7 +83,7 @@ def resume_run(
             stop_if_asked()  # before anything is taken off
             _go_back(folder, scene, begun)
             for path in damaged:
-                path.unlink(missing_ok=True)
+                remove(path)
         except BaseException:
             folder.release()
             raise

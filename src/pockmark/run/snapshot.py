@@ -1,6 +1,5 @@
 """A snapshot: all fields of all points in a VTKHDF file, written with check sums and read with distrust."""
 
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,9 +11,8 @@ from numpy.typing import NDArray
 
 from .. import _core
 from ..base.errors import PockmarkError
-from ..base.files import open_regular, reason
 from ..metrology.stress import effective_stress
-from .hdf5 import SUM, dataset_in, group_in, put, sum_of, written
+from .hdf5 import SUM, dataset_in, group_in, opened, put, values_of, written
 
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
 # The fields of which measures and pictures are made. A file without one of them is no snapshot.
@@ -22,6 +20,7 @@ NEEDED = ("position", "velocity", "mass", "volume", "deviator", "pressure", "bod
 DERIVED = {
     "deviator": ("effective_stress", effective_stress)
 }  # what follows from a field and is written beside it
+NO_SNAPSHOT = "is not a snapshot of pockmark's"
 HASH = "scene_hash"  # attribute: the hash of the points' scene
 
 
@@ -48,13 +47,8 @@ class Snapshot(Mapping[str, NDArray[Any]]):
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return a field by its name. Raises PockmarkError if its check sum is not that of what was written."""
         if name not in self._read:
-            place = self._places[name]
             with self._root() as (root, size):
-                dataset = self._dataset(root, name, size)
-                values = np.asarray(dataset[...])
-                if sum_of(values) != int(dataset.attrs[SUM]):
-                    raise PockmarkError(f"{place} is not what was written (its check sum differs)")
-            self._read[name] = values
+                self._read[name] = values_of(self._dataset(root, name, size), self._places[name])
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -84,19 +78,8 @@ class Snapshot(Mapping[str, NDArray[Any]]):
     @contextmanager
     def _root(self) -> Iterator[tuple[h5py.Group, int]]:
         """Give the group of the points, and the file's size in bytes."""
-        descriptor = open_regular(self.path, os.O_RDONLY)
-        try:
-            # By the descriptor: the name may stand for another file by now.
-            with h5py.File(f"/proc/self/fd/{descriptor}", "r") as file:
-                yield group_in(file, "VTKHDF"), os.fstat(descriptor).st_size
-        except PockmarkError as error:
-            raise PockmarkError(f"{self.path}: is not a snapshot of pockmark's: {error}") from None
-        except Exception as error:  # of a damaged file HDF5 raises any kind
-            raise PockmarkError(
-                f"{self.path}: is not a snapshot of pockmark's ({reason(error)[:150]})"
-            ) from None
-        finally:
-            os.close(descriptor)
+        with opened(self.path, NO_SNAPSHOT, f"{NO_SNAPSHOT}: ") as (file, size):
+            yield group_in(file, "VTKHDF"), size
 
 
 def write_snapshot(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, read_text, told, write_text
+from ..base.files import AnyPath, as_path, numbered, read_text, remove, told, write_text
 from ..base.json import to_json
 from ..base.toml import parse_toml
 from ..scene.scene import Scene, hash_of
@@ -122,15 +122,13 @@ class RunFolder:
         self.clear_parts()  # first: a folder without a manifest is no run
         for pattern in OWN_FILES:
             for file in self.path.glob(pattern):
-                with told(file):
-                    file.unlink()
+                remove(file)
 
     def clear_parts(self) -> None:
         """Remove what a process was writing when it was killed."""
         for pattern in OWN_FILES:
             for file in self.path.glob(f"{pattern}*.part"):
-                with told(file):
-                    file.unlink()
+                remove(file)
 
     def scene(self) -> Scene:
         """Return the run's scene. Raises PockmarkError if scene.toml is not what the run was started with."""
@@ -207,16 +205,11 @@ class RunFolder:
 
     def snapshots(self) -> list[Path]:
         """Return the snapshot files in the order of time."""
-        with told(self.path):
-            numbered = {path: number_of(path) for path in self.path.iterdir()}
-        return sorted(
-            (path for path, n in numbered.items() if n is not None), key=lambda path: numbered[path] or 0
-        )
+        return list(numbered(self.path, SNAPSHOT))
 
     def write_snapshot(self, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> Path:
         """Write all fields of all points as the next snapshot, and return its file."""
-        found = self.snapshots()
-        number = 1 + (number_of(found[-1]) or 0) if found else 0
+        number = 1 + max(numbered(self.path, SNAPSHOT).values(), default=-1)
         path = self.path / f"snapshot-{number:04d}.vtkhdf"
         write_snapshot(path, fields, time_s, step, str(self.manifest()["scene_hash"]))
         return path
@@ -242,12 +235,6 @@ class RunFolder:
         if read.scene_hash not in (None, known["scene_hash"], *known.get("earlier_scene_hashes", ())):
             raise PockmarkError(f"{path}: is a snapshot of another scene than this run's")
         return read
-
-
-def number_of(path: Path) -> int | None:
-    """Return the number of a snapshot's file; None for another file."""
-    name = SNAPSHOT.fullmatch(path.name)
-    return int(name[1]) if name else None
 
 
 def _start(scene: Scene) -> dict[str, Any]:
