@@ -22,52 +22,14 @@ PM_HD void for_each_corner(const GridGeometry<T>& grid, std::size_t cell, F&& f)
       for (int k = 0; k < 2; ++k) f(cell + grid.index(i, j, k), T(2 * i - 1), T(2 * j - 1), T(2 * k - 1));
 }
 
-// Finds the divergence at the centres of a line of cells, and takes what they were pushed with.
-template <class T>
-void find_cells(const GridGeometry<T>& grid, Velocity<T> velocity, Cells<T> cells, std::size_t begin,
-                std::size_t end) {
-  const std::size_t last = grid.field_count * grid.node_count() - grid.index(1, 1, 1);
-  const T scale = T(0.25) * grid.per_metre;
-  for (std::size_t cell = begin; cell < end && cell < last; ++cell) {
-    T sum = 0, outward = 0, is_whole = 1;
-    for_each_corner(grid, cell, [&](std::size_t node, T x, T y, T z) {
-      const auto& v = velocity[node].v;
-      sum += x * v[0] + y * v[1] + z * v[2];
-      outward += v[0];
-      is_whole = has_mass(velocity, node) ? is_whole : T(0);
-    });
-    cells[cell].v[cell_divergence] = scale * sum;
-    if (grid.is_axisymmetric) cells[cell].v[cell_divergence] += hoop_share_of_corner(grid, cell) * outward;
-    cells[cell].v[cell_push] = T(0);
-    cells[cell].v[cell_is_whole] = is_whole;
-  }
-}
-
-// Adds the forces of what pushes the cells to a line of nodes: the transpose of the divergence.
-template <class T>
-void add_cell_forces(const GridGeometry<T>& grid, Cells<T> cells, Force<T> force, std::size_t begin,
-                     std::size_t end) {
-  const std::size_t back = grid.index(1, 1, 1);
-  const T scale = T(0.25) * grid.per_metre;
-  for (std::size_t node = begin; node < end; ++node) {
-    T sum[3]{}, hoop = 0;
-    // The cell before the node along an axis has it on its far side.
-    for_each_corner(grid, node, [&](std::size_t cell_and_back, T x, T y, T z) {
-      if (cell_and_back < back) return;  // before the first cell
-      const T push = cells[cell_and_back - back].v[cell_push];
-      sum[0] -= x * push;
-      sum[1] -= y * push;
-      sum[2] -= z * push;
-      if (grid.is_axisymmetric) hoop += hoop_share_of_corner(grid, cell_and_back - back) * push;
-    });
-    for (int a = 0; a < 3; ++a) force[node].v[a] += scale * sum[a];
-    force[node].v[0] += hoop;
-  }
-}
-
 // Which cells a point takes its divergence from, and their weights along an axis at a place f in its stencil.
 // With trilinear functions a point may lie on either side of its cell's centre, with quadratic ones it lies
 // between those of the stencil's cells.
+//
+// turn() fits weights along x to rings; `inner` is the radius of the stencil's first node, in cells. The cell
+// beyond a face gets (radius of the face)/(radius of the point) times its weight, the point's own cell the
+// rest. So rings that fill cells evenly, of volumes 2 pi r, give as much across a face as they get back, each
+// cell is pushed with its own volume, and an even pressure moves nothing.
 template <class Shape>
 struct CellStencil;
 template <class T>
@@ -79,6 +41,13 @@ struct CellStencil<Linear<T>> {
     w[2] = positive_part(f - V(T(0.5)));
     w[1] = V(T(1)) - (w[0] + w[2]);
   }
+  template <class V>
+  PM_HD static void turn(V f, T inner, V (&w)[support]) {
+    const V half = V(T(0.5)), radius = half + positive_part(V(inner) + f - half);
+    w[0] = w[0] * V(inner) / radius;
+    w[2] = w[2] * V(inner + T(1)) / radius;
+    w[1] = V(T(1)) - (w[0] + w[2]);
+  }
 };
 template <class T>
 struct CellStencil<Quadratic<T>> {
@@ -88,7 +57,68 @@ struct CellStencil<Quadratic<T>> {
     w[1] = f - V(T(0.5));
     w[0] = V(T(1)) - w[1];
   }
+  template <class V>
+  PM_HD static void turn(V f, T inner, V (&w)[support]) {
+    if (inner < T(0)) {  // by the axis the first cell is the image of the second
+      w[0] = V(T(0));
+      w[1] = V(T(1));
+      return;
+    }
+    const V one = V(T(1)), off = positive_part(f - one) + positive_part(one - f);  // from the face
+    w[1] = w[1] + off * (V(T(0.5)) - off) / (V(inner) + f);
+    w[0] = one - w[1];
+  }
 };
+
+// Finds the divergence at the centres of a line of cells, and takes what they were pushed with.
+template <class Shape, class T>
+void find_cells(const GridGeometry<T>& grid, Velocity<T> velocity, Cells<T> cells, std::size_t begin,
+                std::size_t end) {
+  const std::size_t last = grid.field_count * grid.node_count() - grid.index(1, 1, 1);
+  const T scale = T(0.25) * grid.per_metre;
+  for (std::size_t cell = begin; cell < end && cell < last; ++cell) {
+    const auto turn = cell_turn<Shape>(grid, cell);
+    T sum = 0, is_whole = 1;
+    for_each_corner(grid, cell, [&](std::size_t node, T x, T y, T z) {
+      const auto& v = velocity[node].v;
+      sum += (x + turn.hoop) * v[0] + y * v[1] + (z + x * z * T(2) * turn.lean) * v[2];
+      is_whole = has_mass(velocity, node) ? is_whole : T(0);
+    });
+    cells[cell].v[cell_divergence] = scale * sum;
+    cells[cell].v[cell_push] = T(0);
+    cells[cell].v[cell_is_whole] = is_whole;
+  }
+}
+
+// Adds the forces of what pushes the cells to a line of nodes: the transpose of the divergence.
+template <class Shape, class T>
+void add_cell_forces(const GridGeometry<T>& grid, Cells<T> cells, Force<T> force, std::size_t begin,
+                     std::size_t end) {
+  const std::size_t back = grid.index(1, 1, 1);
+  const T scale = T(0.25) * grid.per_metre;
+  for (std::size_t node = begin; node < end; ++node) {
+    T sum[3]{};
+    // The cell before the node along an axis has it on its far side.
+    for_each_corner(grid, node, [&](std::size_t cell_and_back, T x, T y, T z) {
+      if (cell_and_back < back) return;  // before the first cell
+      const std::size_t cell = cell_and_back - back;
+      const T push = cells[cell].v[cell_push];
+      const auto turn = cell_turn<Shape>(grid, cell);
+      sum[0] -= (x - turn.hoop) * push;
+      sum[1] -= y * push;
+      sum[2] -= (z - x * z * T(2) * turn.lean) * push;
+    });
+    for (int a = 0; a < 3; ++a) force[node].v[a] += scale * sum[a];
+  }
+}
+
+// Finds the weights of the cells along x, of points at f in a bundle's stencil.
+template <class Shape, class T, class V>
+PM_HD void cell_weights_along_x(const GridGeometry<T>& grid, const Bundle& bundle, V f,
+                                V (&w)[CellStencil<Shape>::support]) {
+  CellStencil<Shape>::weights(f, w);
+  if (grid.is_axisymmetric) CellStencil<Shape>::turn(f, T(bundle.base[0] - grid.pad), w);
+}
 
 // The divergence that cells give to the points of a bundle. Of a cell with a node without mass, beside a
 // surface, nothing is known: trilinear functions take that of the points' own cell in its place.
@@ -99,7 +129,8 @@ class CellPatch {
   static constexpr bool has_own = S == 3;
 
  public:
-  PM_HD CellPatch(const GridGeometry<T>& grid, const Bundle& bundle, Cells<T> cells) {
+  PM_HD CellPatch(const GridGeometry<T>& grid, const Bundle& bundle, Cells<T> cells)
+      : grid_(grid), bundle_(bundle) {
     if (has_own) own_ = cells[bundle.node].v[cell_divergence];
     for_each(grid, bundle, [&](std::size_t cell, int i, int j, int k) {
       const bool counts = !has_own || cells[cell].v[cell_is_whole] != T(0);
@@ -110,7 +141,7 @@ class CellPatch {
   template <class V>
   PM_HD V at(const Vec3<V>& f) const {
     V x[S], y[S], z[S];
-    Weights::weights(f.x, x);
+    cell_weights_along_x<Shape>(grid_, bundle_, f.x, x);
     Weights::weights(f.y, y);
     Weights::weights(f.z, z);
     V sum = V(own_);
@@ -136,6 +167,8 @@ class CellPatch {
   }
 
  private:
+  const GridGeometry<T>& grid_;
+  const Bundle& bundle_;
   T own_ = 0;
   T beyond_own_[S][S][S];
 };
@@ -152,7 +185,7 @@ void add_cell_push(const Points<T>& points, const GridGeometry<T>& grid, const B
   for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
     const auto f = points.vector(Field::place, p);
     T x[S], y[S], z[S];
-    Weights::weights(f.x, x);
+    cell_weights_along_x<Shape>(grid, bundle, f.x, x);
     Weights::weights(f.y, y);
     Weights::weights(f.z, z);
     const T push = mean[p - bundle.begin];

@@ -24,22 +24,34 @@ PM_HD bool begins_at_axis(const GridGeometry<T>& grid, const Bundle& bundle) {
   return bundle.base[0] <= grid.pad - (Shape::support - 2);
 }
 
-// Returns v_r/r at a place in a bundle's stencil, in the unit of `slopes`, those of v; v per cell.
+// Finds the weights along r with which the nodes' v_r make v_r/r at a point, in the unit of the stencil's
+// slopes; `per_length` is 1/cell in that unit. A sum over rings stands for an integral of (r N)'; with the
+// second difference of N over 32 it is exact where rings fill cells evenly, two along r, and an even pressure
+// moves nothing. Linear functions have none.
 template <class Shape, class T, class V>
-PM_HD V hoop_slope(const GridGeometry<T>& grid, const Bundle& bundle, const Interpolant<Shape, T>& v,
-                   const Vec3<V>& f, const V (&slopes)[3][3]) {
-  if (begins_at_axis<Shape>(grid, bundle)) return slopes[0][0];
-  return v.value(f).x / radius_in_cells(grid, bundle, f.x);
+PM_HD void hoop_weights(const GridGeometry<T>& grid, const Bundle& bundle, const Stencil<Shape, V>& n, V f,
+                        T per_length, V (&out)[Shape::support]) {
+  constexpr int S = Shape::support;
+  if (begins_at_axis<Shape>(grid, bundle)) {
+    for (int i = 0; i < S; ++i) out[i] = n.g[0][i];
+    return;
+  }
+  const V share = V(per_length) / radius_in_cells(grid, bundle, f);
+  for (int i = 0; i < S; ++i) {
+    const T bend = S == 2 ? T(0) : (i == 1 ? T(-2) : T(1)) / T(32);
+    out[i] = share * (n.w[0][i] + V(bend));
+  }
 }
 
-// Finds the weights along r with which the nodes' v_r make v_r/r at a point, in the unit of the stencil's
-// slopes; `per_length` is 1/cell in that unit.
-template <class Shape, class T>
-PM_HD void hoop_weights(const GridGeometry<T>& grid, const Bundle& bundle, const Stencil<Shape, T>& n, T f,
-                        T per_length, T (&out)[Shape::support]) {
-  const bool by_slope = begins_at_axis<Shape>(grid, bundle);
-  const T share = by_slope ? T(0) : per_length / radius_in_cells(grid, bundle, f);
-  for (int i = 0; i < Shape::support; ++i) out[i] = by_slope ? n.g[0][i] : share * n.w[0][i];
+// Returns v_r/r at a place in a bundle's stencil, of v per cell.
+template <class Shape, class T, class V>
+PM_HD V hoop_rate(const GridGeometry<T>& grid, const Bundle& bundle, const Patch<Shape, T>& v,
+                  const Vec3<V>& f) {
+  const Stencil<Shape, V> n(f, T(1));
+  V along_r[Shape::support], sum = V(T(0));
+  hoop_weights<Shape>(grid, bundle, n, f.x, T(1), along_r);
+  v.for_each([&](int i, int j, int k) { sum += along_r[i] * n.w[1][j] * n.w[2][k] * V(v.at[i][j][k].v[0]); });
+  return sum;
 }
 
 // Adds the radial forces of the hoop stress of a block, f_I = -sum_p N_I V_p sigma_p / r_p; push[1] is
@@ -62,12 +74,20 @@ void add_hoop_force(const Points<T>& points, const GridGeometry<T>& grid, const 
   });
 }
 
-// Returns the share that v_r at each corner of a cell has in v_r/r at the cell's centre, 1/m.
+// Returns 1/2r of a cell of radius r, in cells, and how far its divergence (cells.hpp) leans outwards: what
+// its nodes at either side across r have of v_z, 1/2 -+ lean. With it an even pressure gradient gives the
+// nodes on the axis and beside it what is in proportion to the mass that they have of two rings a cell.
 template <class T>
-PM_HD T hoop_share_of_corner(const GridGeometry<T>& grid, std::size_t cell) {
+struct CellTurn {
+  T hoop = 0, lean = 0;
+};
+template <class Shape, class T>
+PM_HD CellTurn<T> cell_turn(const GridGeometry<T>& grid, std::size_t cell) {
+  if (!grid.is_axisymmetric) return {};
   int ijk[3];
   grid.split(cell, ijk);
-  return T(0.125) * grid.per_metre / (T(ijk[0] - grid.pad) + T(0.5));
+  const T per_radius = T(1) / (T(ijk[0] - grid.pad) + T(0.5));
+  return {T(0.5) * per_radius, (Shape::support == 2 ? T(1) / T(16) : T(5) / T(128)) * per_radius};
 }
 
 // Returns the length of the ring that a point is, m.

@@ -24,7 +24,7 @@ class Volume {
   void find(Velocity<T> velocity) {
     if (!by_cells_) return;
     driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
-      find_cells(grid_, velocity, cells_, begin, end);
+      find_cells<Shape>(grid_, velocity, cells_, begin, end);
     });
     for_each_mirrored_cell(driver_, grid_, faces_,
                            [&](std::size_t image, std::size_t cell) { cells_[image] = cells_[cell]; });
@@ -55,7 +55,7 @@ class Volume {
       cells_[image].v[cell_push] = T(0);
     });
     driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
-      add_cell_forces(grid_, cells_, force, begin, end);
+      add_cell_forces<Shape>(grid_, cells_, force, begin, end);
     });
   }
 

@@ -105,8 +105,9 @@ def solver(
     flies=None,
     friction=None,
     driver=core.DRIVER,
+    axisymmetric=False,
 ):
-    """bodies: (position, velocity, volume of a point, density, index of the material).
+    """bodies: (position, velocity, volume of a point or of each, density, index of the material).
 
     `flies`: of each material; `friction`: of the second material's contact with the first, None without contact.
     """
@@ -118,6 +119,7 @@ def solver(
         materials=materials,
         options=opts,
         threads=threads,
+        axisymmetric=axisymmetric,
     )
     if flies:
         out.let_fly(flies)
@@ -126,11 +128,12 @@ def solver(
     for position, velocity, volume, density, body in bodies:
         n = len(position)
         v = np.ascontiguousarray(np.broadcast_to(velocity, (n, 3)), dtype=float)
+        each = np.full(n, volume, dtype=float)
         out.add_points(
             position=np.ascontiguousarray(position),
             velocity=v,
-            mass=np.full(n, density * volume),
-            volume=np.full(n, float(volume)),
+            mass=density * each,
+            volume=each,
             body=np.full(n, body, dtype=np.uint8),
         )
     out.initialize()

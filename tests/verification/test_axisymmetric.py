@@ -1,0 +1,291 @@
+"""Axisymmetric runs: the hoop terms against NumPy, closed forms, the run of three dimensions, and what holds there."""
+
+import numpy as np
+import pytest
+from builders import (
+    FREE,
+    PRECISIONS,
+    RHO,
+    SYMMETRY,
+    TRANSMITTING,
+    aluminium,
+    by_id,
+    core,
+    elastic,
+    lattice,
+    options,
+    solver,
+)
+from scipy.optimize import brentq
+from scipy.special import j0, j1, spherical_jn
+
+H = 1e-6
+SHAPES = pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
+VOLUMES = pytest.mark.parametrize("volume", ["points", "cells"])
+YOUNG, NU = 70e9, 0.3
+LAME, SHEAR = YOUNG * NU / ((1 + NU) * (1 - 2 * NU)), YOUNG / (2 * (1 + NU))
+FAST = np.sqrt((LAME + 2 * SHEAR) / RHO)  # m/s
+
+
+def rings(lower, counts, pitch):
+    """Positions (n, 3) of rings, and their volumes: a lattice in r and z from `lower` on."""
+    x = lattice((lower[0], -pitch / 2, lower[1]), (counts[0], 1, counts[1]), pitch)
+    return x, 2 * np.pi * x[:, 0] * pitch**2
+
+
+def slice_solver(cell, cells, outer, ends, materials, opts, bodies, *, low=0.0, **more):
+    """A slice of cells[0] x cells[1] cells from the axis and from z = `low` on, its outer face and both ends."""
+    return solver(
+        (0, -cell / 2, low),
+        cell,
+        (cells[0], 1, cells[1]),
+        [SYMMETRY, outer, SYMMETRY, SYMMETRY, *ends],
+        materials,
+        opts,
+        bodies,
+        axisymmetric=True,
+        **more,
+    )
+
+
+# ---- the hoop terms, one step against NumPy
+
+
+def hat(x):
+    return np.maximum(1 - np.abs(x), 0), np.where(np.abs(x) < 1, -np.sign(x), 0)
+
+
+def spline(x):
+    a = np.abs(x)
+    value = np.where(a < 0.5, 0.75 - x**2, np.where(a < 1.5, 0.5 * (1.5 - a) ** 2, 0))
+    return value, np.where(a < 0.5, -2 * x, np.where(a < 1.5, -np.sign(x) * (1.5 - a), 0))
+
+
+class Reference:
+    """Nodes (i, k) of r and z. v_r is odd in r, all else even; fields are sums over nodes."""
+
+    def __init__(self, shape, x, cells):
+        of = hat if shape == "trilinear" else spline
+        i, k = np.arange(1, cells[0] + 2), np.arange(-1, cells[1] + 2)
+        self.r = x[:, 0]
+        r, z = x[:, 0, None] / H, x[:, 2, None] / H
+        (n, dn), (m, dm), (w, dw) = of(r - i), of(r + i), of(z - k)
+        on, don = of(r)
+        both = lambda radial, along: np.einsum("pi,pk->pik", radial, along).reshape(len(x), -1)  # noqa: E731
+        even, odd = np.hstack([on, n + m]), np.hstack([0 * on, n - m])
+        deven, dodd = np.hstack([don, dn + dm]), np.hstack([0 * on, dn - dm])
+        self.even, self.even_r, self.even_z = both(even, w), both(deven, w) / H, both(even, dw) / H
+        self.odd, self.odd_r, self.odd_z = both(odd, w), both(dodd, w) / H, both(odd, dw) / H
+
+    def strain_rate(self, vr, vz):
+        """D along r, y and z, and D_rz, of nodal velocities."""
+        hoop = (self.odd @ vr) / self.r
+        return self.odd_r @ vr, hoop, self.even_z @ vz, 0.5 * (self.odd_z @ vr + self.even_r @ vz)
+
+    def force(self, volume, rr, yy, zz, rz):
+        """Minus the transpose of the strain rate."""
+        radial = self.odd_r.T @ (volume * rr) + self.odd.T @ (volume * yy / self.r)
+        return -radial - self.odd_z.T @ (volume * rz), -self.even_z.T @ (volume * zz) - self.even_r.T @ (
+            volume * rz
+        )
+
+
+@SHAPES
+@pytest.mark.parametrize("driver", ["cpu", "plain"])
+def test_a_step_is_that_of_a_reference_in_r_and_z(shape, driver):
+    """Strain by v_r/r, and as force its transpose: of random rings, some of them near the axis."""
+    cells, rng = (5, 4), np.random.default_rng(2)
+    x = np.c_[rng.random(120) * 3.5 + 1e-3, np.zeros(120), rng.random(120) * 2.5 + 0.6] * H
+    x[:20, 0] *= 0.02
+    volume = 2 * np.pi * x[:, 0] * (H / 2) ** 2
+    v = np.c_[rng.normal(size=120), np.zeros(120), rng.normal(size=120)] * 10
+    s = slice_solver(
+        H,
+        cells,
+        FREE,
+        (FREE, FREE),
+        [elastic(YOUNG, NU, RHO)],
+        options("usf", shape),
+        [(x, v, volume, RHO, 0)],
+        driver=driver,
+    )
+    s.advance(1, 1.0)
+    ref, mass, dt = Reference(shape, x, cells), RHO * volume, s.dt
+    heavy = ref.even.T @ mass
+    there = heavy > 1e-30 * heavy.max()
+    divided = lambda nodal: np.where(there, nodal / np.where(there, heavy, 1), 0)  # noqa: E731
+    # The momentum of rings is even as it is mapped: the mirror sets v_r on the axis to zero.
+    vr, vz = divided(ref.odd.T @ (mass * v[:, 0])), divided(ref.even.T @ (mass * v[:, 2]))
+    opened = sum(ref.strain_rate(vr, vz)[:3]) * dt
+    want = volume * (1 + opened / 2) / (1 - opened / 2)
+    got = by_id(s, "volume")
+    print(f"{shape} {driver}: volumes off by {np.abs(got / want - 1).max():.1e}, strains {np.abs(opened).max():.1e}")
+    assert np.abs(opened).max() > 1e-4
+    assert np.abs(got / want - 1).max() < 1e-13
+    p, deviator = by_id(s, "pressure"), by_id(s, "deviator")
+    fr, fz = ref.force(got, *(deviator[:, c] - (p if c < 3 else 0) for c in (0, 1, 2, 5)))
+    after = v[:, [0, 2]] + dt * np.c_[ref.odd @ divided(fr), ref.even @ divided(fz)]
+    off = np.abs(by_id(s, "velocity")[:, [0, 2]] - after).max() / np.abs(after - v[:, [0, 2]]).max()
+    print(f"velocities off by {off:.1e} of their largest change")
+    assert off < 1e-11
+
+
+@SHAPES
+@VOLUMES
+@pytest.mark.parametrize("driver", ["cpu", "plain"])
+@pytest.mark.parametrize("faces", [FREE, SYMMETRY, TRANSMITTING], ids=["free", "symmetry", "transmitting"])
+def test_the_ledger_closes(shape, volume, driver, faces):
+    """Strain and force are each other's transpose, by cells too: what random velocities lose is what the points gain."""
+    x, each = rings((0, 0), (16, 16), H / 2)
+    rng = np.random.default_rng(1)
+    v = np.c_[rng.normal(size=len(x)), np.zeros(len(x)), rng.normal(size=len(x))] * 20
+    s = slice_solver(
+        H,
+        (8, 8),
+        faces,
+        (faces, faces),
+        [aluminium()],
+        options(shape=shape, volume=volume),
+        [(x, v, each, RHO, 0)],
+        driver=driver,
+    )
+    s.advance(100, 1.0)
+    ledger = s.ledger()
+    print(f"error {ledger['error'] / ledger['initial']:.1e}, internal {ledger['internal'] / ledger['initial']:.2f}")
+    assert ledger["internal"] > 0.1 * ledger["initial"]
+    assert abs(ledger["error"]) < 1e-13 * ledger["initial"]
+    assert not np.abs(s.field("position")[:, 1]).any()
+    assert not np.abs(s.field("velocity")[:, 1]).any()
+
+
+# ---- closed forms
+
+
+@SHAPES
+@VOLUMES
+def test_a_plane_shock_along_the_axis_is_that_of_three_dimensions(shape, volume):
+    """Rings of equal z move as one, at any radius: neither the hoop force nor the weights 2 pi r leave a trace."""
+    n, v, end = 48, 1000.0, 3e-9
+    place = lambda x: np.where(x[:, 2:] > n * H / 2, [0.0, 0, -v], [0.0, 0, v])  # noqa: E731
+    opts, ends = options(shape=shape, volume=volume), (FREE, FREE)
+    x, each = rings((0, 4 * H), (12, 2 * n - 16), H / 2)
+    turned = slice_solver(H, (6, n), SYMMETRY, ends, [aluminium()], opts, [(x, place(x), each, RHO, 0)])
+    y = lattice((0, 0, 4 * H), (2, 2, 2 * n - 16), H / 2)
+    straight = solver(
+        (0, 0, 0),
+        H,
+        (1, 1, n),
+        [SYMMETRY] * 4 + [FREE, FREE],
+        [aluminium()],
+        opts,
+        [(y, place(y), (H / 2) ** 3, RHO, 0)],
+    )
+    for s in (turned, straight):
+        s.advance(10**6, end)
+    assert turned.cycle == straight.cycle
+    columns = {s: slice(None, 2 * n - 16) for s in (turned, straight)}
+    for name, scale in (("pressure", 1e10), ("velocity", v), ("position", n * H)):
+        a = by_id(turned, name).reshape(12, 2 * n - 16, -1)
+        b = by_id(straight, name)[columns[straight]].reshape(2 * n - 16, -1)
+        off = np.abs(a[..., -1] - b[:, -1]).max() / scale
+        print(f"{shape} {volume}: {name} off by {off:.1e}")
+        assert off < 1e-10
+    assert by_id(turned, "pressure").max() > 5e9
+    assert np.abs(by_id(turned, "velocity")[:, 0]).max() < 1e-10 * v
+
+
+def breathing(s, mode, mass, guess):
+    """The angular frequency of the amplitude of a mode (n, 3), from its zero crossings over three half periods."""
+    times = np.linspace(0, 3.2 * np.pi / guess, 400)
+    share = []
+    for t in times:
+        s.advance(10**6, t)
+        share.append((mass * (by_id(s, "velocity") * mode).sum(axis=1)).sum())
+    a = np.array(share)
+    k = np.flatnonzero(np.sign(a[:-1]) != np.sign(a[1:]))
+    zero = times[k] + (times[k + 1] - times[k]) * a[k] / (a[k] - a[k + 1])
+    return 2 * np.pi / (zero[2] - zero[0])
+
+
+def cylinder_frequency(n, shape, volume, *, single=False):
+    """A solid cylinder without strain along z, n cells from its axis to its free side: measured over exact."""
+    ratio = 2 * SHEAR / (LAME + 2 * SHEAR)
+    root = brentq(lambda k: k * j0(k) - ratio * j1(k), 1.0, 3.0)
+    radius = n * H
+    omega = root * FAST / radius
+    x, each = rings((0, 0), (2 * n, 2), H / 2)
+    mode = np.c_[j1(root * x[:, 0] / radius), 0 * x[:, 0], 0 * x[:, 0]]
+    s = slice_solver(
+        H,
+        (n + 2, 1),
+        FREE,
+        (SYMMETRY, SYMMETRY),
+        [elastic(YOUNG, NU, RHO)],
+        options(shape=shape, volume=volume, cfl=0.2),
+        [(x, 1e-5 * FAST * mode, each, RHO, 0)],
+        single=single,
+    )
+    return breathing(s, mode, RHO * each, omega) / omega
+
+
+def sphere_frequency(n, shape, volume):
+    """A ball of n cells radius whose surface is free: measured over exact."""
+    ratio = 4 * SHEAR / (LAME + 2 * SHEAR)
+    root = brentq(lambda k: k * spherical_jn(0, k) - ratio * spherical_jn(1, k), 1.0, 4.0)
+    radius = n * H
+    omega = root * FAST / radius
+    x, each = rings((0, 0), (2 * n, 2 * n), H / 2)
+    rho = np.hypot(x[:, 0], x[:, 2])
+    inside = rho < radius
+    x, each, rho = x[inside], each[inside], rho[inside]
+    mode = x * (spherical_jn(1, root * rho / radius) / rho)[:, None]
+    mode[:, 1] = 0
+    s = slice_solver(
+        H,
+        (n + 2, n + 2),
+        FREE,
+        (SYMMETRY, FREE),
+        [elastic(YOUNG, NU, RHO)],
+        options(shape=shape, volume=volume, cfl=0.2),
+        [(x, 1e-5 * FAST * mode, each, RHO, 0)],
+    )
+    return breathing(s, mode, RHO * each, omega) / omega
+
+
+def told_errors(what, cells, ratios):
+    errors = np.array(ratios) - 1
+    rates = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
+    print(f"{what}: off by {', '.join(f'{e:+.2e}' for e in errors)} for {cells} cells; rates {rates.round(2)}")
+    return np.abs(errors), rates
+
+
+@SHAPES
+@VOLUMES
+def test_an_elastic_cylinder_breathes_as_bessel_says(shape, volume):
+    """Plane strain: kR J0(kR) (lambda + 2 mu) = 2 mu J1(kR)."""
+    cells = (8, 16, 32)
+    errors, rates = told_errors(
+        f"cylinder {shape} {volume}", cells, [cylinder_frequency(n, shape, volume) for n in cells]
+    )
+    assert errors[-1] < 5e-3
+    assert rates.min() > 0.8
+
+
+@PRECISIONS
+def test_an_elastic_cylinder_breathes_in_either_precision(single):
+    assert abs(cylinder_frequency(16, "trilinear", "points", single=single) - 1) < 5e-3
+
+
+@SHAPES
+@VOLUMES
+def test_an_elastic_ball_breathes_as_lamb_says(shape, volume):
+    """Lamb 1882: kR j0(kR) (lambda + 2 mu) = 4 mu j1(kR). The surface is made of steps."""
+    cells = (8, 16, 32)
+    errors, rates = told_errors(
+        f"ball {shape} {volume}", cells, [sphere_frequency(n, shape, volume) for n in cells]
+    )
+    assert errors[-1] < 0.02
+    assert errors[-1] < errors[0]
+    print(rates)
+
+
