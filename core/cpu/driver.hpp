@@ -18,7 +18,7 @@ class Driver {
  public:
   using Number = T;
   using Values = V;
-  using Hints = Prefetch;
+  using Hints = Prefetch<Pack<V>::width>;
   static constexpr const char* name = "cpu";
 
   Driver(int threads, bool sleeps) : threads_(threads), may_sleep_(sleeps) {}

@@ -5,11 +5,15 @@
 
 namespace pockmark::cpu {
 
+// `width`: of the kernels' packs.
+template <int width>
 struct Prefetch {
   // Asks for fields of the points three blocks on from p. Each pass asks for a share of what the passes after
   // it read: the processor keeps few lines under way at a time.
   template <Pass pass, class T>
   PM_HD static void before(const Points<T>& points, std::size_t p) {
+    if constexpr (width == 1)
+      if (p % (line / sizeof(T)) != 0) return;  // asked for with the first point of its line
     if constexpr (pass == Pass::gradient) ask(points, p, Field::place);
     if constexpr (pass == Pass::strain) ask(points, p, Field::dilation, Field::energy, Field::deviator);
     if constexpr (pass == Pass::pressure)
@@ -23,7 +27,7 @@ struct Prefetch {
   }
 
  private:
-  static constexpr std::size_t ahead = 3 * Block::most;
+  static constexpr std::size_t ahead = 3 * Block::most, line = 64;
 
   template <class T, class... Fields>
   PM_HD static void ask(const Points<T>& points, std::size_t p, Fields... fields) {

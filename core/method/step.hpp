@@ -45,7 +45,7 @@ class Step {
     const auto momentum = m_.momentum();
     Velocity<T> before{};
     m_.timers.time("p2g", [&] {
-      if (m_.transmitting.renews(model_.faces, state_.cycle))
+      if (m_.transmitting.renews(grid_, state_.cycle))
         m_.transmitting.template renew<Shape>(model_, driver_, m_.damping());
       if (!state_.is_mapped) driver_.scatter([&](int, const Block& block) { add(block, momentum); });
       before = to_velocity(momentum);

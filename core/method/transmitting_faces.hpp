@@ -13,15 +13,15 @@ class TransmittingFaces {
  public:
   Anchorage& anchorage() { return anchorage_; }
 
-  // The areas of the faces change with the points behind them, that is, slowly. The steps at which they are
-  // renewed must not depend on how the points lie in memory: runs that mirror each other would differ.
-  static bool renews(const Faces& faces, std::int64_t cycle) {
-    const bool none = std::ranges::count(faces, Face::transmitting) == 0;
-    return cycle == 0 || (!none && cycle % steps_per_area == 0);
+  // Returns whether the areas are to be found anew: the points behind the faces may have moved by so much. It
+  // must not depend on how the points lie in memory: runs that mirror each other would differ.
+  bool renews(const GridGeometry<T>& grid, std::int64_t cycle) const {
+    return cycle == 0 || way_ > way_per_area * double(grid.cell);
   }
   template <class Shape, class Driver>
   void renew(const Model<T>& model, const Driver& driver, Damping<T> damping) {
     const auto& grid = model.grid;
+    way_ = 0;
     std::fill_n(damping.data, grid.field_count * grid.node_count(), Quad<T>{});
     const auto view = anchorage_.view();
     driver.scatter_all([&](int, const Block& block) {
@@ -48,6 +48,7 @@ class TransmittingFaces {
   template <class F>
   void for_each_part(F&& f, const GridGeometry<T>& grid, Damping<T> damping) {
     f("faces.held", anchorage_.held());
+    f("faces.way", way_);
     std::vector<std::uint64_t> nodes(nodes_.begin(), nodes_.end());
     std::vector<T> values;
     for (const std::size_t node : nodes_)
@@ -76,28 +77,42 @@ class TransmittingFaces {
   // Keeps the velocity of damped node i after the forces, before contact.
   void keep(std::size_t i, const Quad<T>& velocity) { after_[i] = velocity; }
 
-  // Adds the energy that the faces took in a step; `final`: the velocity that the points really got.
+  // Adds the energy that the faces took in a step, and the way of their fastest node; `final`: the velocity
+  // that the points really got.
   template <class Driver>
   void add_absorbed(const Model<T>& model, const Driver& driver, Velocity<T> before, Velocity<T> final,
-                    Damping<T> damping, T dt, double& total) const {
-    std::vector<double> of_slots(driver.slots());
+                    Damping<T> damping, T dt, double& total) {
+    struct OfSlot {
+      double absorbed = 0, speed2 = 0;
+    };
+    std::vector<OfSlot> of_slots(driver.slots());
     driver.for_each_line(false, [&](int slot, std::size_t begin, std::size_t end) {
-      double sum = 0;
+      OfSlot sum;
       for (std::size_t i = first_from(model.grid, begin); i < nodes_.size() && nodes_[i] < end; ++i) {
         const std::size_t node = nodes_[i];
         if (!has_mass(before, node)) continue;
-        sum += double(absorbed_energy(before[node].vector(), after_[i].vector(), final[node].vector(),
-                                      damping[node].vector(), dt));
+        const auto v = final[node].vector();
+        sum.absorbed +=
+            double(absorbed_energy(before[node].vector(), after_[i].vector(), v, damping[node].vector(), dt));
+        sum.speed2 = std::max(sum.speed2, double(dot(v, v)));
       }
-      if (sum != 0) of_slots[slot] += sum;
+      if (sum.speed2 == 0 && sum.absorbed == 0) return;
+      of_slots[slot].absorbed += sum.absorbed;
+      of_slots[slot].speed2 = std::max(of_slots[slot].speed2, sum.speed2);
     });
-    for (const double one : of_slots) total += one;
+    double speed2 = 0;
+    for (const OfSlot& one : of_slots) {
+      total += one.absorbed;
+      speed2 = std::max(speed2, one.speed2);
+    }
+    way_ += double(dt) * std::sqrt(speed2);
   }
 
  private:
-  static constexpr std::int64_t steps_per_area = 8;
+  static constexpr double way_per_area = 0.125;  // cells
 
   Anchorage anchorage_;
+  double way_ = 0;                  // of the fastest damped nodes since the areas were found, m
   std::vector<std::size_t> nodes_;  // that are damped
   std::vector<std::size_t> row_;    // where nodes_ has the first of each row of nodes along z
   Array<Quad<T>> after_;            // their velocities
