@@ -66,4 +66,18 @@ struct Columns {
   }
 };
 
+// What points carry to the nodes: a mass each, and three numbers per mass. Point p has the number p - first
+// of every array.
+template <class T>
+struct Carried {
+  const T* mass;
+  const T* per_mass[3];
+  std::size_t first;
+};
+template <class T>
+PM_HD Carried<T> momentum_of(const Points<T>& points) {
+  const auto v = [&](int a) { return points.at(Field::velocity, a); };
+  return {points.at(Field::mass), {v(0), v(1), v(2)}, 0};
+}
+
 }  // namespace pockmark

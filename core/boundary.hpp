@@ -80,16 +80,18 @@ void fold(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
   }
 }
 
-// Sets the components that a face holds to zero, then the vectors behind the face. The first is done on all
-// faces before the second: where a grid is one cell thick, what lies inside of a face is on the one across.
+// Sets the components of a vector that a face holds to zero, then what is behind the face. The first is done
+// on all faces before the second: where a grid is one cell thick, what lies inside of a face is on the one
+// across. Magnitudes are only copied behind it.
 template <class Driver, class T, Nodal quantity>
 void constrain(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
-               NodeField<T, quantity> nodes) {
+               NodeField<T, quantity> nodes, Mirrored kind = Mirrored::vector) {
   const auto on_each = [&](auto&& act) {
     for (int face = 0; face < 6; ++face) {
       if (!is_mirror(faces[face])) continue;
       for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
-        for (int c = 0; c < 3; ++c) act(at, c, mirror_sign(faces[face], face / 2, c));
+        for (int c = 0; c < 3; ++c)
+          act(at, c, kind == Mirrored::vector ? mirror_sign(faces[face], face / 2, c) : 1);
       });
     }
   };

@@ -23,7 +23,7 @@ struct AnyCall {
 template <class D, class T = typename D::Number, class Shape = Linear<T>>
 concept IsDriver =
     requires(D d, const GridGeometry<T>& grid, std::size_t count, const Block& block,
-             const Columns<T, 6>& push, Momentum<T> momentum, Force<T> force, int n, bool is_so, AnyCall f) {
+             const Columns<T, 6>& push, const Carried<T>& carried, Momentum<T> momentum, Force<T> force, int n, bool is_so, AnyCall f) {
       // Memory: n arrays of nodes, all zero at first; `count` points.
       d.allocate(grid, n);
       d.reserve(count);
@@ -52,7 +52,7 @@ concept IsDriver =
       // Adds up what other memories have put on nodes that they share.
       d.exchange(force);
       // What a block adds to its nodes.
-      d.template add_momentum<Shape>(block, momentum);
+      d.template add_carried<Shape>(block, carried, momentum);
       d.template add_force<Shape>(block, push, force);
       // Order: sort() for shape functions with that support; arrange() after each step, `is_so` after the
       // first one. It says whether sums over points may now have another order, or other points be awake.

@@ -69,21 +69,21 @@ void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& o
   });
 }
 
-// Adds momentum and mass of the points of a bundle to the nodes.
+// Adds what the points of a bundle carry, and their mass, to the nodes.
 template <class Shape, class T>
-void add_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
-                  Momentum<T> momentum) {
+void add_carried(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
+                 const Carried<T>& of, Momentum<T> momentum) {
   Patch<Shape, T> patch;
   for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), grid.per_metre);
-    const T m = points.at(Field::mass)[p];
-    const auto v = points.vector(Field::velocity, p);
-    const Quad<T> carried{{m * v.x, m * v.y, m * v.z, m}};
-    for (int i = 0; i < Shape::support; ++i)
+    const std::size_t i = p - of.first;
+    const T m = of.mass[i];
+    const Quad<T> carried{{m * of.per_mass[0][i], m * of.per_mass[1][i], m * of.per_mass[2][i], m}};
+    for (int ix = 0; ix < Shape::support; ++ix)
       for (int j = 0; j < Shape::support; ++j) {
         Quad<T> line;
-        add_scaled(line, n.w[0][i] * n.w[1][j], carried);
-        for (int k = 0; k < Shape::support; ++k) add_scaled(patch.at[i][j][k], n.w[2][k], line);
+        add_scaled(line, n.w[0][ix] * n.w[1][j], carried);
+        for (int k = 0; k < Shape::support; ++k) add_scaled(patch.at[ix][j][k], n.w[2][k], line);
       }
   }
   patch.add_to(grid, bundle, momentum);

@@ -28,6 +28,7 @@ Numbers get_ledger(const PySolver<D>& s) {
   d["left_energy"] = l.left_kinetic + l.left_internal;
   d["pic"] = l.pic;
   d["contact"] = l.contact;
+  d["filtered"] = l.filtered;
   d["viscous"] = l.viscous;
   d["plastic"] = l.plastic;
   d["initial"] = l.initial;

@@ -76,8 +76,8 @@ class Driver {
   void exchange(NodeField<T, quantity>) const {}  // one memory: every sum is whole
 
   template <class Shape>
-  void add_momentum(const Block& block, Momentum<T> momentum) const {
-    scatter_momentum<Shape, V>(points_, grid_, block, momentum);
+  void add_carried(const Block& block, const Carried<T>& carried, Momentum<T> momentum) const {
+    scatter_carried<Shape, V>(points_, grid_, block, carried, momentum);
   }
   template <class Shape>
   void add_force(const Block& block, const Columns<T, 6>& push, Force<T> force) const {

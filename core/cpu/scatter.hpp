@@ -12,7 +12,7 @@
 //   sum[c]      s       s       s       s             s       s       s       s
 //
 // w is the weight of a point at a node, and c what the point carries: momentum along x, y and z, and mass,
-// with a sum of its own for each. All points of a bundle add to the same eight nodes. Were a lane a point,
+// with a sum of its own for each (or other numbers in the momentum's place). All points of a bundle add to the same eight nodes. Were a lane a point,
 // lanes would write to one node at the same time. As it is, a lane writes to its own node alone, one point
 // after another, and the sums stay in registers until the bundle ends. Then they are turned, so that the four
 // numbers of a node lie side by side, and added to the nodes in memory:
@@ -132,23 +132,21 @@ PM_HD void spread(T f, const Nodes<T>& side, Nodes<T> (&out)[NodeLanes<T>::regis
 }
 
 template <class T>
-PM_HD void add_momentum_lanes(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
-                              Momentum<T> momentum) {
+PM_HD void add_carried_lanes(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
+                             const Carried<T>& of, Momentum<T> momentum) {
   const auto y = AxisWeights<T>::slow(), z = AxisWeights<T>::fast();
-  const T* mass = points.at(Field::mass);
   const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
           *fz = points.at(Field::place, 2);
-  const T *vx = points.at(Field::velocity, 0), *vy = points.at(Field::velocity, 1),
-          *vz = points.at(Field::velocity, 2);
   constexpr int registers = NodeLanes<T>::registers;
   Nodes<T> sum[4][registers]{}, weight[registers];
   std::size_t p = bundle.begin;
   do {  // a bundle is never empty
-    spread(fx[p], mass[p] * (y(fy[p]) * z(fz[p])), weight);
+    const std::size_t at = p - of.first;
+    spread(fx[p], of.mass[at] * (y(fy[p]) * z(fz[p])), weight);
     for (int i = 0; i < registers; ++i) {
-      sum[0][i] += vx[p] * weight[i];
-      sum[1][i] += vy[p] * weight[i];
-      sum[2][i] += vz[p] * weight[i];
+      sum[0][i] += of.per_mass[0][at] * weight[i];
+      sum[1][i] += of.per_mass[1][at] * weight[i];
+      sum[2][i] += of.per_mass[2][at] * weight[i];
       sum[3][i] += weight[i];
     }
   } while (++p < bundle.end);
@@ -213,14 +211,14 @@ PM_HD void add_internal_force_lanes(const Points<T>& points, const GridGeometry<
 
 // Add what the points of a block carry, or push with, to the nodes: the CPU's driver calls these.
 template <class Shape, class V, class T = number_t<V>>
-void scatter_momentum(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
-                      Momentum<T> momentum) {
+void scatter_carried(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                     const Carried<T>& carried, Momentum<T> momentum) {
   for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
 #ifdef POCKMARK_LANES
     if constexpr (Pack<V>::width > 1 && Shape::support == 2)
-      return add_momentum_lanes(points, grid, bundle, momentum);
+      return add_carried_lanes(points, grid, bundle, carried, momentum);
 #endif
-    add_momentum<Shape>(points, grid, bundle, momentum);
+    add_carried<Shape>(points, grid, bundle, carried, momentum);
   });
 }
 template <class Shape, class V, class T = number_t<V>>

@@ -11,6 +11,7 @@ struct Ledger {
   double left_kinetic = 0, left_internal = 0;  // carried out by points that left
   double pic = 0;                              // taken from the points' velocities by the PIC share
   double contact = 0;                          // by impact and friction where two bodies touch
+  double filtered = 0;                         // heat of filters, a share of the internal energy's history
   double viscous = 0, plastic = 0;             // shares of the internal energy's history, for information
   double initial = 0;
   double mass = 0;

@@ -20,6 +20,17 @@ void divide_by_mass(Momentum<T> momentum, std::size_t begin, std::size_t end) {
                                                  : Vec3<T>{});
 }
 
+// Completes what the points have put on nodes, and divides it by the mass: the velocity takes its place.
+template <class Driver, class T>
+Velocity<T> to_velocity(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
+                        Momentum<T> momentum, Mirrored kind = Mirrored::vector) {
+  driver.exchange(momentum);
+  fold(driver, grid, faces, momentum, kind);
+  driver.for_each_line(
+      false, [&](int, std::size_t begin, std::size_t end) { divide_by_mass(momentum, begin, end); });
+  return {momentum.data};
+}
+
 // Integrates the momentum of nodes (5). `after` holds the forces first, and then the velocity.
 template <class T>
 struct LineIntegration {

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "../driver.hpp"
+#include "filter.hpp"
 #include "probes.hpp"
 #include "schemes/musl.hpp"
 #include "schemes/usavg.hpp"
@@ -91,6 +92,7 @@ class Solver {
     const std::int64_t start = m_.state.cycle;
     const auto with_scheme = [&]<class Shape, class Scheme>(Shape, Scheme) {
       Step<Driver, Shape> step(m_);
+      Filter<Driver, Shape> filter(m_);
       auto& state = m_.state;
       while (state.cycle - start < max_steps && state.time < end_time && state.time < pause) {
         if (state.live == 0) {
@@ -98,6 +100,7 @@ class Solver {
           break;
         }
         const double next_time = choose_step(state, m_.model.options, m_.model.grid.cell, end_time);
+        if (filter.is_due()) m_.timers.time("filter", [&] { filter.run(); });
         step.clear();
         Scheme::run(step);
         m_.timers.time("sort", [&] { arrange(step.exits(), Shape::support); });
@@ -129,6 +132,7 @@ class Solver {
     l.contact = unit * state.contact;
     l.left_kinetic = state.departed.kinetic;
     l.left_internal = state.departed.internal;
+    l.filtered = unit * state.filtered;
     l.viscous = unit * state.audit.viscous_work;
     l.plastic = unit * state.audit.plastic_work;
     l.initial = state.initial;

@@ -15,7 +15,7 @@ struct State {
   double initial = 0;        // energy at the start (J)
   Departed departed;
   // Energies taken so far, J / Model::mass_unit.
-  double absorbed = 0, pic = 0, contact = 0;
+  double absorbed = 0, pic = 0, contact = 0, filtered = 0;
   Audit audit;                // of the whole run
   Audit extremes;             // of the last stress update
   std::vector<Audit> audits;  // of each slot in its last stress update: one at rest keeps its own
@@ -41,6 +41,7 @@ struct State {
     f("absorbed", absorbed);
     f("pic", pic);
     f("contact", contact);
+    f("filtered", filtered);
     std::vector<double> numbers;
     for (const Audit* one : {&audit, &extremes}) one->append_to(numbers);
     for (const Audit& one : audits) one.append_to(numbers);

@@ -189,7 +189,7 @@ class Step {
 
  private:
   void add(const Block& block, Momentum<T> momentum) {
-    driver_.template add_momentum<Shape>(block, momentum);
+    driver_.template add_carried<Shape>(block, momentum_of(driver_.points()), momentum);
   }
   // Completes a sum of the points: other memories, mirrors.
   template <Nodal quantity>
@@ -197,12 +197,8 @@ class Step {
     driver_.exchange(sum);
     fold(driver_, grid_, model_.faces, sum, Mirrored::vector);
   }
-  // Completes and divides a momentum: the velocity takes its place.
   Velocity<T> to_velocity(Momentum<T> momentum) {
-    finish(momentum);
-    driver_.for_each_line(
-        false, [&](int, std::size_t begin, std::size_t end) { divide_by_mass(momentum, begin, end); });
-    return {momentum.data};
+    return pockmark::to_velocity(driver_, grid_, model_.faces, momentum);
   }
   void fit(Velocity<T> velocity) {
     m_.contact->fit(velocity);

@@ -74,8 +74,8 @@ class Driver {
   void exchange(NodeField<T, quantity>) const {}
 
   template <class Shape>
-  void add_momentum(const Block& block, Momentum<T> momentum) const {
-    pockmark::add_momentum<Shape>(points_, grid_, block.bundles[0], momentum);
+  void add_carried(const Block& block, const Carried<T>& carried, Momentum<T> momentum) const {
+    pockmark::add_carried<Shape>(points_, grid_, block.bundles[0], carried, momentum);
   }
   template <class Shape>
   void add_force(const Block& block, const Columns<T, 6>& push, Force<T> force) const {

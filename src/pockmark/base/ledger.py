@@ -12,6 +12,7 @@ LEDGER = {
     "left_internal": "internal energy that points took with them as they left, J",
     "viscous": "what bulk viscosity has turned into internal energy so far, J: a part of `internal`, not beside it",
     "plastic": "what plastic flow has turned into internal energy so far, J: a part of `internal`, not beside it",
+    "filtered": "what filters have turned into internal energy so far, J: a part of `internal`, not beside it",
     "pic": "energy that the PIC share took, J",
     "contact": "energy that contact and its friction took, J",
     "initial": "kinetic and internal energy at the start, J",
@@ -26,7 +27,7 @@ LEDGER = {
     "left_momentum_z": "momentum along z of the points that left, kg m/s",
 }
 # Keys in the order in which tables and pictures show them:
-SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous")
+SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous", "filtered")
 DRAWN = ("kinetic", "internal", "absorbed")
 LEFT_ENERGIES = ("left_kinetic", "left_internal")
 LEFT_MOMENTUM = ("left_momentum_x", "left_momentum_y", "left_momentum_z")

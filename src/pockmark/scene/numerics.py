@@ -23,6 +23,9 @@ class Numerics(Model):
     cfl: Annotated[Number, Field(gt=0, le=1)] = 0.5
     strain_limit: Annotated[Number, Field(gt=0, le=1)] = 0.2
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] = 0.0
+    filter_interval: Annotated[int, Field(ge=0, le=10_000)] = 0
+    filter_order: Annotated[int, Field(ge=0, le=16)] = 3
+    pressure_filter: Annotated[Number, Field(ge=0, le=1)] = 0.5
     mass_cutoff: Annotated[Number, Field(ge=0, le=1)] = 0.0
     precision: Literal["double", "single"] = "double"
 

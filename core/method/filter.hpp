@@ -1,0 +1,175 @@
+// The filter of what the grid cannot see (docs/theory.md, Filters). S interpolates from the nodes to the
+// points, S+ maps to the nodes by mass. What lies in the null space of S+ neither feels the grid nor is felt
+// by it, and stays for ever. Every few steps
+//   v -= (1 - S S+)^m v        loses the motion of that kind (XPIC, Hammerquist and Nairn 2017),
+//   J += share (p - S S+ p) J/(rho0 c_d^2)      lets such a pressure relax, as sound between the points would.
+// What either takes becomes heat, handed out as S S+ of the loss per mass, so that no point is cooled by it.
+// Points that have failed are free to fly: they neither give to the filter nor take from it.
+#pragma once
+#include "../motion.hpp"
+#include "lines.hpp"
+#include "machine.hpp"
+
+namespace pockmark {
+
+template <class Driver, class Shape>
+class Filter {
+  using T = typename Driver::Number;
+  using V = typename Driver::Values;
+
+ public:
+  explicit Filter(Machine<Driver>& m)
+      : m_(m), options_(m.model.options), driver_(m.driver), grid_(m.model.grid) {}
+
+  bool is_due() const {
+    return options_.filter_interval > 0 && m_.state.cycle > 0 &&
+           m_.state.cycle % options_.filter_interval == 0;
+  }
+  // Filters between two steps, when no nodal array is in use. The points are to be mapped anew.
+  void run() {
+    const Momentum<T> first = m_.momentum(), second = m_.other_momentum(), sum{m_.force().data};
+    if (options_.filter_order > 0) find_velocity(first, second, sum);
+    map_unseen(first, sum);
+    relax(first, second);
+    heat(second);
+    m_.state.is_mapped = false;
+  }
+
+ private:
+  // Finds sum_k c_k (S+ S)^(k-1) S+ v in `sum`, of which S makes the filtered velocity: the binomial series
+  // of 1 - (1 - S S+)^m is S times it.
+  void find_velocity(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
+    clear(first);
+    driver_.scatter([&](int, const Block& block) {
+      map(block, momentum_of(driver_.points()), first);
+    });
+    Velocity<T> term = to_grid(first, Mirrored::vector);
+    const int order = options_.filter_order;
+    T share = T(order);
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) sum[i].v = share * term[i].v;
+    });
+    Momentum<T> next = second;
+    for (int k = 2; k <= order; ++k) {
+      share *= T(k - 1 - order) / T(k);
+      clear(next);
+      driver_.scatter([&](int, const Block& block) {
+        Columns<T, 3> at_points;
+        gather(block, term, at_points);
+        map(block, at_points, next);
+      });
+      const Momentum<T> free{term.data};
+      term = to_grid(next, Mirrored::vector);
+      next = free;
+      driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) sum[i].v += share * term[i].v;
+      });
+    }
+  }
+  // Gives the points their velocity, and maps the energy per mass that this took, and their pressure.
+  void map_unseen(Momentum<T> unseen, Momentum<T> velocity) {
+    clear(unseen);
+    driver_.scatter([&](int, const Block& block) {
+      const auto& points = driver_.points();
+      Columns<T, 3> carried;
+      Columns<T, 3> seen;
+      if (options_.filter_order > 0) gather(block, {velocity.data}, seen);
+      for (std::size_t p = block.begin; p < block.end; ++p) {
+        const std::size_t i = p - block.begin;
+        const auto v = points.vector(Field::velocity, p);
+        T lost = 0;
+        if (options_.filter_order > 0 && is_intact(p)) {
+          const auto now = seen.template vector<T>(i);
+          lost = T(0.5) * (dot(v, v) - dot(now, now));
+          points.set_vector(Field::velocity, p, now);
+        }
+        carried.store(0, i, lost);
+        carried.store(1, i, points.at(Field::pressure)[p]);
+        carried.store(2, i, T(0));
+      }
+      map(block, carried, unseen);
+    });
+    to_grid(unseen, Mirrored::magnitudes);
+  }
+  // Adds the heat of the velocities, relaxes the unseen pressure, and maps the energy per mass that this took.
+  void relax(Momentum<T> unseen, Momentum<T> taken) {
+    clear(taken);
+    std::vector<double> heat(driver_.slots());
+    driver_.scatter([&](int slot, const Block& block) {
+      const auto& points = driver_.points();
+      Columns<T, 3> seen, carried;
+      gather(block, {unseen.data}, seen);
+      double sum = 0;
+      for (std::size_t p = block.begin; p < block.end; ++p) {
+        const std::size_t i = p - block.begin;
+        T lost = 0;
+        if (is_intact(p)) {
+          const auto& material = m_.model.materials[points.body[p]];
+          const T c = material.dilatational_speed(), pressure = points.at(Field::pressure)[p];
+          const T ratio = T(1) + points.at(Field::dilation)[p];
+          const T growth = T(options_.pressure_filter) * (pressure - seen.at[1][i]) * ratio /
+                           (material.density * c * c);
+          points.at(Field::dilation)[p] += growth;
+          points.at(Field::energy)[p] += material.density * seen.at[0][i] - pressure * growth;
+          lost = pressure * growth * material.specific_volume;
+          sum += double(points.at(Field::mass)[p] * (seen.at[0][i] + lost));
+        }
+        carried.store(0, i, lost);
+        carried.store(1, i, T(0));
+        carried.store(2, i, T(0));
+      }
+      if (sum != 0) heat[slot] += sum;
+      map(block, carried, taken);
+    });
+    to_grid(taken, Mirrored::magnitudes);
+    for (const double one : heat) m_.state.filtered += one;
+  }
+  // Adds the heat of the pressures.
+  void heat(Momentum<T> taken) {
+    driver_.for_each_awake_block([&](int, const Block& block) {
+      const auto& points = driver_.points();
+      Columns<T, 3> share;
+      gather(block, {taken.data}, share);
+      for (std::size_t p = block.begin; p < block.end; ++p)
+        if (is_intact(p))
+          points.at(Field::energy)[p] +=
+              m_.model.materials[points.body[p]].density * share.at[0][p - block.begin];
+    });
+  }
+
+  bool is_intact(std::size_t p) const { return driver_.points().at(Field::damage)[p] < T(1); }
+  void clear(Momentum<T> nodes) const {
+    driver_.for_each_line(false,
+                          [&](int, std::size_t begin, std::size_t end) { clear_line(nodes, begin, end); });
+  }
+  // Finds a nodal quantity at the points of a block.
+  void gather(const Block& block, Velocity<T> nodes, Columns<T, 3>& out) const {
+    gather_values<Shape, V>(driver_.points(), block, out, [&](Patch<Shape, T>& patch, const Bundle& bundle) {
+      patch.load(grid_, bundle, nodes);
+    });
+  }
+  // Adds what the intact points of a block carry.
+  void map(const Block& block, Carried<T> carried, Momentum<T> nodes) const {
+    Columns<T, 1> mass;
+    for (std::size_t p = block.begin; p < block.end; ++p)
+      mass.store(0, p - block.begin, is_intact(p) ? driver_.points().at(Field::mass)[p] : T(0));
+    if (carried.first != block.begin)
+      for (auto& values : carried.per_mass) values += block.begin - carried.first;
+    driver_.template add_carried<Shape>(block, {mass.at[0], {carried.per_mass[0], carried.per_mass[1], carried.per_mass[2]}, block.begin}, nodes);
+  }
+  void map(const Block& block, const Columns<T, 3>& values, Momentum<T> nodes) const {
+    map(block, Carried<T>{nullptr, {values.at[0], values.at[1], values.at[2]}, block.begin}, nodes);
+  }
+  Velocity<T> to_grid(Momentum<T> nodes, Mirrored kind) const {
+    const auto values = to_velocity(driver_, grid_, m_.model.faces, nodes, kind);
+    constrain(driver_, grid_, m_.model.faces, values, kind);
+    return values;
+  }
+
+  Machine<Driver>& m_;
+  const Options& options_;
+  Driver& driver_;
+  const GridGeometry<T>& grid_;
+};
+
+}  // namespace pockmark
