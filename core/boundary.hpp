@@ -80,20 +80,24 @@ void fold(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
   }
 }
 
-// Sets the components that a face holds to zero, then the vectors behind the face.
+// Sets the components that faces hold to zero, then the vectors behind them: in a grid one cell wide what
+// lies behind a face is the image of nodes on the other one.
 template <class Driver, class T, Nodal quantity>
 void constrain(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
                NodeField<T, quantity> nodes) {
-  for (int face = 0; face < 6; ++face) {
-    if (!is_mirror(faces[face])) continue;
-    for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
-      for (int c = 0; c < 3; ++c) {
-        const int sign = mirror_sign(faces[face], face / 2, c);
-        if (sign < 0) nodes[at.on].v[c] = T(0);
-        nodes[at.outside].v[c] = T(sign) * nodes[at.inside].v[c];
-      }
-    });
-  }
+  const auto for_each_mirrored = [&](auto&& f) {
+    for (int face = 0; face < 6; ++face) {
+      if (!is_mirror(faces[face])) continue;
+      for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
+        for (int c = 0; c < 3; ++c) f(at, c, mirror_sign(faces[face], face / 2, c));
+      });
+    }
+  };
+  for_each_mirrored([&](const FaceNode& at, int c, int sign) {
+    if (sign < 0) nodes[at.on].v[c] = T(0);
+  });
+  for_each_mirrored(
+      [&](const FaceNode& at, int c, int sign) { nodes[at.outside].v[c] = T(sign) * nodes[at.inside].v[c]; });
 }
 
 }  // namespace pockmark
