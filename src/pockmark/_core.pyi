@@ -81,7 +81,7 @@ def failure_caution(law: Mapping[str, float | str]) -> str:
     """
 
 class Solver:
-    def __init__(self, lower: Sequence[float], cell: float, cells: Sequence[int], faces: Sequence[Face], materials: Sequence[Material], options: Options, threads: int) -> None: ...
+    def __init__(self, lower: Sequence[float], cell: float, cells: Sequence[int], faces: Sequence[Face], materials: Sequence[Material], options: Options, threads: int, axisymmetric: bool = False) -> None: ...
 
     def set_contact(self, in_second: Sequence[int], friction: float) -> None:
         """
@@ -177,7 +177,7 @@ class Solver:
         """Take back what `save` returned, in a solver that never had points."""
 
 class SolverSingle:
-    def __init__(self, lower: Sequence[float], cell: float, cells: Sequence[int], faces: Sequence[Face], materials: Sequence[Material], options: Options, threads: int) -> None: ...
+    def __init__(self, lower: Sequence[float], cell: float, cells: Sequence[int], faces: Sequence[Face], materials: Sequence[Material], options: Options, threads: int, axisymmetric: bool = False) -> None: ...
 
     def set_contact(self, in_second: Sequence[int], friction: float) -> None:
         """
@@ -273,7 +273,7 @@ class SolverSingle:
         """Take back what `save` returned, in a solver that never had points."""
 
 class PlainSolver:
-    def __init__(self, lower: Sequence[float], cell: float, cells: Sequence[int], faces: Sequence[Face], materials: Sequence[Material], options: Options, threads: int) -> None: ...
+    def __init__(self, lower: Sequence[float], cell: float, cells: Sequence[int], faces: Sequence[Face], materials: Sequence[Material], options: Options, threads: int, axisymmetric: bool = False) -> None: ...
 
     def set_contact(self, in_second: Sequence[int], friction: float) -> None:
         """
@@ -369,7 +369,7 @@ class PlainSolver:
         """Take back what `save` returned, in a solver that never had points."""
 
 class PlainSolverSingle:
-    def __init__(self, lower: Sequence[float], cell: float, cells: Sequence[int], faces: Sequence[Face], materials: Sequence[Material], options: Options, threads: int) -> None: ...
+    def __init__(self, lower: Sequence[float], cell: float, cells: Sequence[int], faces: Sequence[Face], materials: Sequence[Material], options: Options, threads: int, axisymmetric: bool = False) -> None: ...
 
     def set_contact(self, in_second: Sequence[int], friction: float) -> None:
         """

@@ -18,6 +18,12 @@ from builders import (
 )
 from scipy.optimize import brentq
 from scipy.special import j0, j1, spherical_jn
+from test_drivers import assert_same_bits
+
+from pockmark import Scene, measure
+from pockmark.run.bench import bench_scene
+from pockmark.run.pipeline import run_scene
+from pockmark.run.simulation import Simulation
 
 H = 1e-6
 SHAPES = pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
@@ -61,6 +67,11 @@ def spline(x):
     return value, np.where(a < 0.5, -2 * x, np.where(a < 1.5, -np.sign(x) * (1.5 - a), 0))
 
 
+def bend(x):
+    """The second derivative of a spline: the core adds a 32th of it in v_r/r (docs/theory.md)."""
+    return np.where(np.abs(x) < 0.5, -2.0, np.where(np.abs(x) < 1.5, 1.0, 0.0)) / 32
+
+
 class Reference:
     """Nodes (i, k) of r and z. v_r is odd in r, all else even; fields are sums over nodes."""
 
@@ -76,15 +87,16 @@ class Reference:
         deven, dodd = np.hstack([don, dn + dm]), np.hstack([0 * on, dn - dm])
         self.even, self.even_r, self.even_z = both(even, w), both(deven, w) / H, both(even, dw) / H
         self.odd, self.odd_r, self.odd_z = both(odd, w), both(dodd, w) / H, both(odd, dw) / H
+        bent = bend(r - i) - bend(r + i) if shape == "quadratic" else 0 * n
+        self.hoop = both(np.hstack([0 * on, n - m + bent]), w) / self.r[:, None]
 
     def strain_rate(self, vr, vz):
         """D along r, y and z, and D_rz, of nodal velocities."""
-        hoop = (self.odd @ vr) / self.r
-        return self.odd_r @ vr, hoop, self.even_z @ vz, 0.5 * (self.odd_z @ vr + self.even_r @ vz)
+        return self.odd_r @ vr, self.hoop @ vr, self.even_z @ vz, 0.5 * (self.odd_z @ vr + self.even_r @ vz)
 
     def force(self, volume, rr, yy, zz, rz):
         """Minus the transpose of the strain rate."""
-        radial = self.odd_r.T @ (volume * rr) + self.odd.T @ (volume * yy / self.r)
+        radial = self.odd_r.T @ (volume * rr) + self.hoop.T @ (volume * yy)
         return -radial - self.odd_z.T @ (volume * rz), -self.even_z.T @ (volume * zz) - self.even_r.T @ (
             volume * rz
         )
@@ -119,7 +131,9 @@ def test_a_step_is_that_of_a_reference_in_r_and_z(shape, driver):
     opened = sum(ref.strain_rate(vr, vz)[:3]) * dt
     want = volume * (1 + opened / 2) / (1 - opened / 2)
     got = by_id(s, "volume")
-    print(f"{shape} {driver}: volumes off by {np.abs(got / want - 1).max():.1e}, strains {np.abs(opened).max():.1e}")
+    print(
+        f"{shape} {driver}: volumes off by {np.abs(got / want - 1).max():.1e}, strains {np.abs(opened).max():.1e}"
+    )
     assert np.abs(opened).max() > 1e-4
     assert np.abs(got / want - 1).max() < 1e-13
     p, deviator = by_id(s, "pressure"), by_id(s, "deviator")
@@ -151,8 +165,10 @@ def test_the_ledger_closes(shape, volume, driver, faces):
     )
     s.advance(100, 1.0)
     ledger = s.ledger()
-    print(f"error {ledger['error'] / ledger['initial']:.1e}, internal {ledger['internal'] / ledger['initial']:.2f}")
-    assert ledger["internal"] > 0.1 * ledger["initial"]
+    print(
+        f"error {ledger['error'] / ledger['initial']:.1e}, internal {ledger['internal'] / ledger['initial']:.2f}"
+    )
+    assert ledger["internal"] > 0.01 * ledger["initial"]
     assert abs(ledger["error"]) < 1e-13 * ledger["initial"]
     assert not np.abs(s.field("position")[:, 1]).any()
     assert not np.abs(s.field("velocity")[:, 1]).any()
@@ -164,13 +180,16 @@ def test_the_ledger_closes(shape, volume, driver, faces):
 @SHAPES
 @VOLUMES
 def test_a_plane_shock_along_the_axis_is_that_of_three_dimensions(shape, volume):
-    """Rings of equal z move as one, at any radius: neither the hoop force nor the weights 2 pi r leave a trace."""
-    n, v, end = 48, 1000.0, 3e-9
-    place = lambda x: np.where(x[:, 2:] > n * H / 2, [0.0, 0, -v], [0.0, 0, v])  # noqa: E731
+    """Rings of equal z move as one, at any radius: neither the hoop force nor the weights 2 pi r leave a trace.
+
+    Quadratic functions and cells share the mass of rings near the axis in another way; there it is 1.2 %.
+    """
+    n, v, layers = 48, 1000.0, 80
+    toward = lambda x: np.where(x[:, 2:] > n * H / 2, [0.0, 0, -v], [0.0, 0, v])  # noqa: E731
     opts, ends = options(shape=shape, volume=volume), (FREE, FREE)
-    x, each = rings((0, 4 * H), (12, 2 * n - 16), H / 2)
-    turned = slice_solver(H, (6, n), SYMMETRY, ends, [aluminium()], opts, [(x, place(x), each, RHO, 0)])
-    y = lattice((0, 0, 4 * H), (2, 2, 2 * n - 16), H / 2)
+    x, each = rings((0, 4 * H), (12, layers), H / 2)
+    turned = slice_solver(H, (6, n), SYMMETRY, ends, [aluminium()], opts, [(x, toward(x), each, RHO, 0)])
+    y = lattice((0, 0, 4 * H), (2, 2, layers), H / 2)
     straight = solver(
         (0, 0, 0),
         H,
@@ -178,20 +197,19 @@ def test_a_plane_shock_along_the_axis_is_that_of_three_dimensions(shape, volume)
         [SYMMETRY] * 4 + [FREE, FREE],
         [aluminium()],
         opts,
-        [(y, place(y), (H / 2) ** 3, RHO, 0)],
+        [(y, toward(y), (H / 2) ** 3, RHO, 0)],
     )
     for s in (turned, straight):
-        s.advance(10**6, end)
-    assert turned.cycle == straight.cycle
-    columns = {s: slice(None, 2 * n - 16) for s in (turned, straight)}
+        s.advance(10**6, 2e-9)
+    limit = 0.015 if (shape, volume) == ("quadratic", "cells") else 1e-10
     for name, scale in (("pressure", 1e10), ("velocity", v), ("position", n * H)):
-        a = by_id(turned, name).reshape(12, 2 * n - 16, -1)
-        b = by_id(straight, name)[columns[straight]].reshape(2 * n - 16, -1)
-        off = np.abs(a[..., -1] - b[:, -1]).max() / scale
+        a = by_id(turned, name).reshape(12, layers, -1)[..., -1]
+        b = by_id(straight, name)[:layers].reshape(layers, -1)[:, -1]
+        off = np.abs(a - b).max() / scale
         print(f"{shape} {volume}: {name} off by {off:.1e}")
-        assert off < 1e-10
-    assert by_id(turned, "pressure").max() > 5e9
-    assert np.abs(by_id(turned, "velocity")[:, 0]).max() < 1e-10 * v
+        assert off < limit
+    assert by_id(turned, "pressure").max() > 1e10
+    assert np.abs(by_id(turned, "velocity")[:, 0]).max() < limit * v
 
 
 def breathing(s, mode, mass, guess):
@@ -255,7 +273,9 @@ def sphere_frequency(n, shape, volume):
 def told_errors(what, cells, ratios):
     errors = np.array(ratios) - 1
     rates = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
-    print(f"{what}: off by {', '.join(f'{e:+.2e}' for e in errors)} for {cells} cells; rates {rates.round(2)}")
+    print(
+        f"{what}: off by {', '.join(f'{e:+.2e}' for e in errors)} for {cells} cells; rates {rates.round(2)}"
+    )
     return np.abs(errors), rates
 
 
@@ -267,13 +287,13 @@ def test_an_elastic_cylinder_breathes_as_bessel_says(shape, volume):
     errors, rates = told_errors(
         f"cylinder {shape} {volume}", cells, [cylinder_frequency(n, shape, volume) for n in cells]
     )
-    assert errors[-1] < 5e-3
-    assert rates.min() > 0.8
+    assert errors[-1] < 5e-4
+    assert rates.min() > 1.9
 
 
 @PRECISIONS
 def test_an_elastic_cylinder_breathes_in_either_precision(single):
-    assert abs(cylinder_frequency(16, "trilinear", "points", single=single) - 1) < 5e-3
+    assert abs(cylinder_frequency(16, "trilinear", "points", single=single) - 1) < 3e-4
 
 
 @SHAPES
@@ -284,8 +304,231 @@ def test_an_elastic_ball_breathes_as_lamb_says(shape, volume):
     errors, rates = told_errors(
         f"ball {shape} {volume}", cells, [sphere_frequency(n, shape, volume) for n in cells]
     )
-    assert errors[-1] < 0.02
-    assert errors[-1] < errors[0]
-    print(rates)
+    assert errors[-1] < 4e-3
+    assert rates.min() > 1
 
 
+def outgoing(volume, shape):
+    """The energy that is left of a cylindrical wave that went out through a transmitting face, as a share."""
+    n, width = 120, 12 * H
+    x, each = rings((0, 0), (2 * n, 2), H / 2)
+    bump = np.exp(-(((x[:, 0] - 0.6 * n * H) / width) ** 2))
+    v = np.c_[0.1 * bump, 0 * bump, 0 * bump]
+    s = slice_solver(
+        H,
+        (n, 1),
+        TRANSMITTING,
+        (SYMMETRY, SYMMETRY),
+        [elastic(YOUNG, NU, RHO)],
+        options(shape=shape, volume=volume),
+        [(x, v, each, RHO, 0)],
+    )
+    s.advance(10**6, 2.5 * n * H / FAST)  # in, through the axis, and out
+    ledger = s.ledger()
+    assert abs(ledger["error"]) < 1e-12 * ledger["initial"]
+    return (ledger["kinetic"] + ledger["internal"]) / ledger["initial"]
+
+
+@VOLUMES
+def test_a_transmitting_side_takes_waves_that_went_through_the_axis(volume):
+    """Half of it goes in first. The face is a plane wave's, the wave curved: a share of about (width/4R)^2 stays."""
+    left = outgoing(volume, "trilinear")
+    print(f"{volume}: {left:.1e} of the energy is left")
+    assert left < 5e-3
+
+
+def implosion(shape, volume, contact):
+    """A thick shell that runs to the axis at 2 km/s."""
+    x, each = rings((4 * H, 2 * H), (24, 12), H / 2)
+    z, inner = rings((0, 3 * H), (4, 8), H / 2)
+    run_in = np.c_[np.full(len(x), -2000.0), np.zeros((len(x), 2))]
+    s = slice_solver(
+        H,
+        (24, 12),
+        FREE,
+        (FREE, FREE),
+        [aluminium(), aluminium()],
+        options(shape=shape, volume=volume),
+        [(x, run_in, each, RHO, 0), (z, 0 * z, inner, RHO, 1)],
+        friction=0.3 if contact else None,
+    )
+    nearest = []
+    for _ in range(150):
+        s.advance(1, 1.0)
+        nearest.append(s.field("position")[:, 0].min() / H)
+    return s, nearest
+
+
+@SHAPES
+@VOLUMES
+@pytest.mark.parametrize("contact", [False, True], ids=["sticks", "contact"])
+def test_what_runs_to_the_axis_does_not_cross_it(shape, volume, contact):
+    """v_r of the grid is 0 there, so rings come ever closer, and none has to be put back."""
+    s, nearest = implosion(shape, volume, contact)
+    ledger, counters = s.ledger(), s.counters()
+    print(
+        f"nearest ring at {min(nearest):.3f} cells, rho/rho0 {s.max_compression():.2f}, error {ledger['error'] / ledger['initial']:.0e}"
+    )
+    assert 0 < min(nearest) < 0.25
+    assert counters["lost_points"] == counters["negative_volumes"] == 0
+    assert abs(ledger["error"]) < 1e-12 * ledger["initial"]
+    assert s.max_compression() > 1.2
+
+
+def test_a_grid_that_is_no_slice_is_refused():
+    for lower, cells, face in (
+        ((H, 0, 0), (4, 1, 4), SYMMETRY),
+        ((0, 0, 0), (4, 2, 4), SYMMETRY),
+        ((0, 0, 0), (4, 1, 4), FREE),
+    ):
+        with pytest.raises(ValueError, match="axisymmetric: x must begin at 0"):
+            core.solver(single=False)(
+                lower=lower,
+                cell=H,
+                cells=cells,
+                faces=[face, FREE, SYMMETRY, SYMMETRY, FREE, FREE],
+                materials=[aluminium()],
+                options=options(),
+                threads=1,
+                axisymmetric=True,
+            )
+
+
+# ---- a whole impact
+
+TURNED = "grid.geometry=axisymmetric"
+LEAVING = ("impact.speed=12000", "grid.upper=['100 um', '100 um', '25 um']")  # points fly through the lid
+NO_FAILURE = (
+    "materials.al2024-liu2015.based_on='al2024-liu2015'",
+    "materials.al2024-liu2015.failure.model='none'",
+)
+
+
+@SHAPES
+@VOLUMES
+@pytest.mark.parametrize("contact", [(), ("contact.friction=0.3",)], ids=["sticks", "contact"])
+def test_an_impact_closes_its_ledger(shape, volume, contact):
+    """With failure, transmitting faces, and points that leave."""
+    numerics = (f"numerics.shape_functions={shape}", f"numerics.volumetric_strain={volume}")
+    simulation = Simulation(bench_scene(500_000, (TURNED, *numerics, *contact, *LEAVING)), 1)
+    simulation.advance(100e-9)
+    ledger, counters = simulation.ledger(), simulation.counters()
+    share = ledger["absorbed"] / ledger["initial"]
+    print(
+        f"error {ledger['error'] / ledger['initial']:.1e}, absorbed {share:.2%}, {counters['left_points']} rings left"
+    )
+    assert share > 0.01
+    assert counters["lost_points"] == 0
+    assert abs(ledger["error"]) < 1e-13 * ledger["initial"]
+
+
+@pytest.mark.parametrize("scheme", ["usf", "musl", "usl", "usavg"])
+@SHAPES
+@VOLUMES
+@pytest.mark.parametrize(("single", "tolerance"), [(False, 1e-10), (True, 1e-2)], ids=["fp64", "fp32"])
+def test_the_drivers_agree(scheme, shape, volume, single, tolerance):
+    """Random rings of two bodies, some on the axis' side of the first cell: USL takes no cells."""
+    if (scheme, volume) == ("usl", "cells"):
+        return
+    rng = np.random.default_rng(4)
+    n, cells = 800, (14, 9)
+    x = np.c_[rng.random(n) ** 1.5 * (cells[0] - 1), np.zeros(n), rng.random(n) * (cells[1] - 1) + 0.5] * H
+    v = np.c_[rng.normal(size=n), np.zeros(n), rng.normal(size=n)] * 50
+    each, body = 2 * np.pi * x[:, 0] * (H / 2) ** 2, rng.integers(0, 2, n)
+    fields = []
+    for driver in ("cpu", "plain"):
+        s = slice_solver(
+            H,
+            cells,
+            TRANSMITTING,
+            (FREE, TRANSMITTING),
+            [aluminium(), aluminium()],
+            options(scheme, shape, volume=volume, pic=0.02),
+            [(x[body == b], v[body == b], each[body == b], RHO, b) for b in (0, 1)],
+            single=single,
+            driver=driver,
+        )
+        s.advance(6, 1.0)
+        fields.append(
+            {name: by_id(s, name) for name in ("position", "velocity", "pressure", "deviator", "energy")}
+        )
+    for name, want in fields[1].items():
+        assert np.abs(fields[0][name] - want).max() <= tolerance * np.abs(want).max(), name
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+@VOLUMES
+def test_threads_and_sleep_change_no_bit(precision, volume):
+    numerics = (f"numerics.precision={precision}", f"numerics.volumetric_strain={volume}")
+    scene = bench_scene(2_000_000, (TURNED, *numerics, *LEAVING))
+    runs, asleep = [], 0
+    for threads, sleep in ((1, False), (2, True)):
+        simulation = Simulation(scene, threads, driver="cpu", sleep=sleep)
+        simulation.advance(1.0, max_steps=5)
+        asleep = simulation.sleeping_points
+        simulation.advance(20e-9)
+        runs.append(simulation)
+    assert asleep > 0.2 * runs[0].points
+    assert_same_bits(*runs)
+
+
+def small(geometry, *sets):
+    """A ball on a wall of 50 um, cells of 4 um: a quarter in three dimensions."""
+    table = {
+        "end_time": "150 ns",
+        "impact": {"speed": "2.2 km/s"},
+        "grid": {"lower": [0, 0, "-50 um"], "upper": ["50 um", "50 um", "30 um"], "cell": "4 um", "geometry": geometry},
+        "boundary": {"x_lower": "symmetry"},
+        "body": [
+            {"name": "wall", "shape": "block", "lower": [0, 0, "-50 um"], "upper": ["50 um", "50 um", 0], "spacing": "2 um"},
+            {"name": "ball", "shape": "sphere", "center": [0, 0], "gap": 0, "radius": "10 um", "spacing": "1 um", "projectile": True},
+        ],
+    }  # fmt: skip
+    table["body"] = [body | {"material": "al2024-liu2015"} for body in table["body"]]
+    return Scene.from_dict(table, overrides=[*NO_FAILURE, *sets])
+
+
+def state_of(scene, path):
+    """The measures of a run, and how deep the wall's rings lie now that were within 4 um of the axis: by their first depth, um."""
+    folder, _ = run_scene(scene, path, threads=1, progress=False)
+    first, last = (folder.snapshot(file) for file in (folder.snapshots()[0], folder.snapshots()[-1]))
+    order = np.argsort(first["id"])
+    start, mass = first["position"][order], first["mass"][order]
+    near = (first["body"][order] == 0) & (np.hypot(start[:, 0], start[:, 1]) < 4e-6)
+    now = np.full(len(start), np.nan)
+    now[last["id"].astype(int)] = last["position"][:, 2]
+    levels = np.round(start[:, 2] * 1e6).astype(int)
+    down = {
+        z: np.average(now[near & (levels == z)], weights=mass[near & (levels == z)]) * 1e6
+        for z in (-1, -5, -9, -15, -25)
+    }
+    return measure(path), down
+
+
+@pytest.mark.parametrize(
+    ("shape", "volume"), [("trilinear", "points"), ("quadratic", "points"), ("trilinear", "cells")]
+)
+def test_the_crater_is_that_of_three_dimensions(shape, volume, tmp_path):
+    """The same cell, without failure, which depends on the last bit. The metrology reads clefts of stretched lattices, in
+    three dimensions of both directions, and so a little deeper: cells differ by 2.8 %, half of which is of the material."""
+    sets = (f"numerics.shape_functions={shape}", f"numerics.volumetric_strain={volume}")
+    (turned, rings_down), (whole, points_down) = (
+        state_of(small(geometry, *sets), tmp_path / geometry) for geometry in ("axisymmetric", "3d")
+    )
+    for name in ("depth", "diameter", "volume", "rim_height"):
+        print(f"{name}: {turned['crater'][name]:.4g}, in three dimensions {whole['crater'][name]:.4g}")
+    for name in ("residual_internal", "kinetic", "absorbed"):
+        print(f"{name}: {turned['energy'][name]:.4f}, in three dimensions {whole['energy'][name]:.4f}")
+    print(
+        "depths now:",
+        {z: (round(float(d), 2), round(float(points_down[z]), 2)) for z, d in rings_down.items()},
+    )
+    limit = 0.03 if volume == "cells" else 0.02
+    assert turned["crater"]["depth"] == pytest.approx(whole["crater"]["depth"], rel=limit)
+    assert turned["crater"]["diameter"] == pytest.approx(whole["crater"]["diameter"], rel=0.03)
+    assert turned["crater"]["volume"] == pytest.approx(whole["crater"]["volume"], rel=0.02)
+    for name in ("residual_internal", "kinetic", "absorbed"):
+        assert turned["energy"][name] == pytest.approx(whole["energy"][name], abs=0.01)
+    for z, depth in rings_down.items():
+        assert depth == pytest.approx(points_down[z], abs=0.4)
+    assert turned["ejecta"]["beta"] == pytest.approx(whole["ejecta"]["beta"], abs=0.02)

@@ -270,3 +270,25 @@ def test_the_first_step_knows_how_fast_images_close(upper):
     for s in (half, whole):
         s.advance(1, 1.0)
     assert half.dt == whole.dt
+
+
+@pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
+def test_a_column_is_as_wide_as_its_mirrors_make_it(shape):
+    """Between mirrors one cell of a plane shock is as good as two: what lies behind a mirror is the image of the other one."""
+    pressures = []
+    for wide in (1, 2):
+        x = lattice((0, 0, H), (2 * wide, 2 * wide, 28), H / 2)
+        v = np.where(x[:, 2:] > 8 * H, [0.0, 0, -1000.0], [0.0, 0, 1000.0])
+        s = solver(
+            (0, 0, 0),
+            H,
+            (wide, wide, 16),
+            [SYMMETRY] * 4 + [FREE, FREE],
+            [aluminium()],
+            options(shape=shape),
+            [(x, v, (H / 2) ** 3, RHO, 0)],
+        )
+        s.advance(30, 1.0)
+        assert np.abs(s.field("velocity")[:, :2]).max() < 1e-9
+        pressures.append(s.field("pressure")[np.argsort(s.field("id"))][:28])
+    assert np.abs(pressures[1] - pressures[0]).max() < 1e-12 * pressures[0].max()

@@ -103,7 +103,7 @@ def morphology_table(
         "rim_diameter": crater.rim_diameter,
         "lining_fraction": _ratio(mass, copies(setup.mirrors) * setup.projectile_mass),
         "lining_thickness": thickness,
-        "uncertainty": uncertainties(crater, (low, high), setup.spacing),
+        "uncertainty": uncertainties(crater, (low, high), setup.spacing) | _known(setup),
     }
     if (ellipse := crater.pithead) is not None:
         shape |= _axes(ellipse) | {
@@ -115,6 +115,12 @@ def morphology_table(
             "depth_over_minor_axis": crater.depth / ellipse.minor,
         }
     return shape
+
+
+def _known(setup: Setup) -> dict[str, float | None]:
+    """Return the uncertainties of what symmetry about an axis says: none; an empty table without it."""
+    keys = ("centre_x", "bottom_x", "e1", "e2") if setup.is_axisymmetric else ()
+    return dict.fromkeys(keys, 0.0)
 
 
 def hole_table(filling: Filling | None, hole: Hole | None) -> dict[str, Any]:

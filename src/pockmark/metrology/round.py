@@ -22,7 +22,8 @@ def measure_round_crater(surface: Surface) -> Crater | None:
     if surface.holes.any():
         return None
     floor = floor_of(surface)
-    i = int(np.argmin(ndimage.gaussian_filter(floor, 1.4)[:, 0]))
+    axis = len(floor) // 2
+    i = axis + int(np.argmin(ndimage.gaussian_filter(floor, 1.4)[axis:, 0]))
     depth = _depth(surface, floor[:, 0], i)
     if depth < 0.5 * surface.spacing:
         return None

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 def section_area(position: Array, volume: Array) -> Array:
     """Return the areas (n,), m^2, of the sections of rings, position (n, 3) m and volume (n,) m^3."""
-    return np.asarray(volume / (2 * np.pi * np.maximum(position[:, 0], 1e-3 * np.cbrt(np.abs(volume)))))
+    return np.asarray(volume / (2 * np.pi * position[:, 0]))
 
 
 def section_filling(position: Array, volume: Array, setup: Setup) -> Filling | None:

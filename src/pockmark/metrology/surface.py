@@ -125,7 +125,12 @@ class Filling(OnNodes):
 
     def surface(self, level: float = 0.5) -> Surface:
         """Return the surface that lies where the fraction is `level`."""
-        fraction = outside(self.fraction - level + 0.5)
+        fraction = self.fraction - level + 0.5
+        if self.is_section:  # both sides are of the same rings: a hole does not part them
+            half = outside(fraction[len(self.x) // 2 :])
+            fraction = np.concatenate([half[:0:-1], half])
+        else:
+            fraction = outside(fraction)
         return Surface(self.x, self.y, self.z, fraction, self.spacing, self.back, self.is_backed)
 
 

@@ -34,7 +34,7 @@ def make_points(scene: Scene) -> Iterator[Points]:
         velocity = scene.velocity(body)
         for start in range(0, len(x), PIECE):
             position = np.asarray(x[start : start + PIECE], dtype=np.float64)
-            volume = np.ascontiguousarray(volumes[start : start + PIECE])
+            volume = np.array(volumes[start : start + PIECE], dtype=np.float64)
             n = len(position)
             yield Points(
                 position,

@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
@@ -16,7 +16,7 @@ from ..base.geometry import Mirror
 from ..base.toml import read_toml, to_toml
 from ..base.units import quantity
 from .axisymmetry import obstacles, slice_of
-from .bodies import Array, Body
+from .bodies import Array, Body, Solid
 from .grid import Boundary, Grid
 from .impact import Impact
 from .materials import Material, complete
@@ -98,9 +98,9 @@ class Scene(Model):
         return tuple(out)
 
     @model_validator(mode="after")
-    def _is_sound(self) -> Self:
+    def _is_sound(self) -> "Scene":
         """Return the scene as it is computed. Raises ValueError with every rule between its tables that it breaks."""
-        scene = self
+        scene: Scene = self
         if self.grid.is_axisymmetric:
             if told := [*obstacles(self)]:
                 raise ValueError(together(told))
@@ -146,7 +146,7 @@ class Scene(Model):
         """Return the indices of the other bodies."""
         return tuple(i for i, b in enumerate(self.body) if not b.projectile)
 
-    def filled(self, body: Body) -> tuple[Array, Array]:
+    def filled(self, body: Solid) -> tuple[Array, Array]:
         """Return positions (n, 3), m, and volumes (n,), m^3, of the points of a body that are computed."""
         if self.grid.is_axisymmetric:
             rings = body.rings()
@@ -154,11 +154,11 @@ class Scene(Model):
         x = body.lattice(self.grid.box)
         return x, np.broadcast_to(body.point_volume, len(x))
 
-    def count(self, body: Body) -> int:
+    def count(self, body: Solid) -> int:
         """Return how many points of a body are computed."""
         return len(body.rings()) if self.grid.is_axisymmetric else body.count(self.grid.box)
 
-    def volume(self, body: Body) -> float:
+    def volume(self, body: Solid) -> float:
         """Return the volume of what is computed of a body, m^3; of rings it is the whole."""
         if self.grid.is_axisymmetric:
             return float(self.filled(body)[1].sum())
