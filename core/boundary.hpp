@@ -80,20 +80,24 @@ void fold(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
   }
 }
 
-// Sets the components that a face holds to zero, then the vectors behind the face.
+// Sets the components that a face holds to zero, then the vectors behind the face. The first is done on all
+// faces before the second: where a grid is one cell thick, what lies inside of a face is on the one across.
 template <class Driver, class T, Nodal quantity>
 void constrain(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
                NodeField<T, quantity> nodes) {
-  for (int face = 0; face < 6; ++face) {
-    if (!is_mirror(faces[face])) continue;
-    for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
-      for (int c = 0; c < 3; ++c) {
-        const int sign = mirror_sign(faces[face], face / 2, c);
-        if (sign < 0) nodes[at.on].v[c] = T(0);
-        nodes[at.outside].v[c] = T(sign) * nodes[at.inside].v[c];
-      }
-    });
-  }
+  const auto on_each = [&](auto&& act) {
+    for (int face = 0; face < 6; ++face) {
+      if (!is_mirror(faces[face])) continue;
+      for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
+        for (int c = 0; c < 3; ++c) act(at, c, mirror_sign(faces[face], face / 2, c));
+      });
+    }
+  };
+  on_each([&](const FaceNode& at, int c, int sign) {
+    if (sign < 0) nodes[at.on].v[c] = T(0);
+  });
+  on_each(
+      [&](const FaceNode& at, int c, int sign) { nodes[at.outside].v[c] = T(sign) * nodes[at.inside].v[c]; });
 }
 
 }  // namespace pockmark
