@@ -1,7 +1,8 @@
 """The table of numerical schemes: `python studies/schemes/table.py [--only COLUMN] [--scheme NAME] [--quick] [--fine]`.
 
-What is in table.csv already, of this version, physics and scheme, is not measured again. Every measure has a time limit;
-a run that met it goes on from its checkpoint the next time. table.md is drawn from table.csv.
+What is in table.csv already, of this version, physics and scheme, is not measured again: to do so after a change of
+these scripts, remove its rows. Every measure has a time limit; a run that met it goes on from its checkpoint the next
+time. table.md is drawn from table.csv.
 """
 
 import argparse
