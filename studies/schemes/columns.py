@@ -42,7 +42,7 @@ COLUMNS = {
         quick=_each(points=[2], speed_m_s=[1000.0], at_rest=["none", "target"], way=[60]),
     ),
     "disk": Column(
-        "A spinning elastic disk (`disk.py`): changes of angular momentum and kinetic energy",
+        "A spinning elastic disk (`disk.py`): changes of angular momentum, kinetic energy, radius",
         disk.measure,
         _each(radius_cells=[4, 8, 16], turns=[10]),
         quick=_each(radius_cells=[4], turns=[1]),

@@ -49,5 +49,6 @@ def _angular_momentum(simulation: Simulation) -> float:
 
 
 def _mean_radius(simulation: Simulation) -> float:
-    """Return the root of the mean square distance of its points from the z axis, m."""
-    return float(np.sqrt((simulation.field("position")[:, :2] ** 2).sum(axis=1).mean()))
+    """Return the root of the mean square distance of its points from the z axis, m; NaN when all have left."""
+    squares = (simulation.field("position")[:, :2] ** 2).sum(axis=1)
+    return float(np.sqrt(squares.mean())) if len(squares) else float("nan")

@@ -86,7 +86,10 @@ def _each(*measures: str) -> Callable[[Sequence[Row]], str]:
 SUMMARY: dict[str, tuple[str, Callable[[Sequence[Row]], str]]] = {
     "shock: p / p_RH, the worst at 1; 2; 4 points a cell edge": ("shock", _worst("pressure", 1.0)),
     "its largest scatter": ("shock", _worst("scatter", 0.0)),
-    "disk: change of angular momentum": ("disk", _each("angular_momentum_change")),
+    "disk: change of angular momentum / of radius": (
+        "disk",
+        _each("angular_momentum_change", "radius_change"),
+    ),
     "bar: change of energy": ("bar", _each("energy_change")),
     "bar: period off": ("bar", _each("period_off")),
     "Table 2: C_p um": ("crater", _each("C_p_um")),
