@@ -21,21 +21,21 @@ def ringing(folder: RunFolder) -> list[dict[str, object]]:
                 {
                     "points_of": f"{kind}, {'failed' if failed else 'intact'}",
                     "points": len(m),
-                    "kinetic_over_initial": f"{_kinetic(m, v) / initial:.4f}",
-                    "of_blocks_of_two_cells": f"{_of_blocks(x, m, v, 2 * scene.grid.cell) / initial:.4f}",
-                    "rms_speed_m_s": f"{np.sqrt(2 * _kinetic(m, v) / m.sum()):.0f}",
+                    "kinetic_over_initial": f"{kinetic(m, v) / initial:.4f}",
+                    "of_blocks_of_two_cells": f"{of_blocks(x, m, v, 2 * scene.grid.cell) / initial:.4f}",
+                    "rms_speed_m_s": f"{np.sqrt(2 * kinetic(m, v) / m.sum()):.0f}",
                     "mean_velocity_z_m_s": f"{(m * v[:, 2]).sum() / m.sum():.1f}",
                 }
             )
     return found
 
 
-def _kinetic(mass: np.ndarray, velocity: np.ndarray) -> float:
+def kinetic(mass: np.ndarray, velocity: np.ndarray) -> float:
     """Return the sum of m v^2 / 2 (J)."""
     return float(0.5 * (mass[:, None] * velocity**2).sum())
 
 
-def _of_blocks(position: np.ndarray, mass: np.ndarray, velocity: np.ndarray, size: float) -> float:
+def of_blocks(position: np.ndarray, mass: np.ndarray, velocity: np.ndarray, size: float) -> float:
     """Return the kinetic energy (J) of the mean velocities of cubes of edge `size` (m)."""
     key = np.floor(position / size).astype(int)
     key -= key.min(axis=0)

@@ -97,6 +97,14 @@ class Simulation:
         """Return a field of the points, (n,) or (n, components), SI. `field_names` has the names."""
         return np.asarray(self._solver.field(name))
 
+    def set_field(self, name: str, values: NDArray[Any]) -> None:
+        """Change a field of the points, in SI and in the shape and order in which `field` returns it.
+
+        What the ledger calls initial stays what the scene began with. Raises ValueError for an unknown name, for
+        another number of values, and for `position`.
+        """
+        self._solver.set_field(name, np.ascontiguousarray(values, dtype=np.float64))
+
     def volume_fraction(self, bodies: Sequence[int]) -> NDArray[np.float32]:
         """Return the share of the space around each node that the points of some bodies fill.
 
