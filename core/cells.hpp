@@ -6,7 +6,7 @@
 //   |----o-----|----o--p--|----o-----|     cells 1 and 2 and takes from both
 //
 #pragma once
-#include "interpolant.hpp"
+#include "hoop.hpp"
 
 namespace pockmark {
 
@@ -29,13 +29,15 @@ void find_cells(const GridGeometry<T>& grid, Velocity<T> velocity, Cells<T> cell
   const std::size_t last = grid.field_count * grid.node_count() - grid.index(1, 1, 1);
   const T scale = T(0.25) * grid.per_metre;
   for (std::size_t cell = begin; cell < end && cell < last; ++cell) {
-    T sum = 0, is_whole = 1;
+    T sum = 0, outward = 0, is_whole = 1;
     for_each_corner(grid, cell, [&](std::size_t node, T x, T y, T z) {
       const auto& v = velocity[node].v;
       sum += x * v[0] + y * v[1] + z * v[2];
+      outward += v[0];
       is_whole = has_mass(velocity, node) ? is_whole : T(0);
     });
     cells[cell].v[cell_divergence] = scale * sum;
+    if (grid.is_axisymmetric) cells[cell].v[cell_divergence] += hoop_share_of_corner(grid, cell) * outward;
     cells[cell].v[cell_push] = T(0);
     cells[cell].v[cell_is_whole] = is_whole;
   }
@@ -48,7 +50,7 @@ void add_cell_forces(const GridGeometry<T>& grid, Cells<T> cells, Force<T> force
   const std::size_t back = grid.index(1, 1, 1);
   const T scale = T(0.25) * grid.per_metre;
   for (std::size_t node = begin; node < end; ++node) {
-    T sum[3]{};
+    T sum[3]{}, hoop = 0;
     // The cell before the node along an axis has it on its far side.
     for_each_corner(grid, node, [&](std::size_t cell_and_back, T x, T y, T z) {
       if (cell_and_back < back) return;  // before the first cell
@@ -56,8 +58,10 @@ void add_cell_forces(const GridGeometry<T>& grid, Cells<T> cells, Force<T> force
       sum[0] -= x * push;
       sum[1] -= y * push;
       sum[2] -= z * push;
+      if (grid.is_axisymmetric) hoop += hoop_share_of_corner(grid, cell_and_back - back) * push;
     });
     for (int a = 0; a < 3; ++a) force[node].v[a] += scale * sum[a];
+    force[node].v[0] += hoop;
   }
 }
 

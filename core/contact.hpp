@@ -37,8 +37,8 @@ PM_HD Vec3<T> unit(const Vec3<T>& a) {
   return length > T(0) ? (T(1) / length) * a : Vec3<T>{};
 }
 
-// Adds to the nodes, for each point of a bundle, its volume times the slope of their shape function (m^2
-// times the cell) and, as the fourth number, times the function.
+// Adds to the nodes, for each point of a bundle, its volume times the gradient of their shape function (m^2
+// times the cell), with the hoop part of a divergence, and, as the fourth number, times the function.
 template <class Shape, class T, class Volume>
 void add_surface(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
                  Surface<T> surface, Volume&& volume) {
@@ -46,10 +46,12 @@ void add_surface(const Points<T>& points, const GridGeometry<T>& grid, const Bun
   for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
     const Stencil<Shape, T> n(points.vector(Field::place, p), T(1));
     const auto &w = n.w, &g = n.g;
+    T hoop[Shape::support]{};
+    if (grid.is_axisymmetric) hoop_weights<Shape>(grid, bundle, n, points.at(Field::place)[p], T(1), hoop);
     const T v = T(volume(p));
     Patch<Shape, T>::for_each([&](int i, int j, int k) {
       add_scaled(patch.at[i][j][k], v,
-                 Quad<T>{{g[0][i] * w[1][j] * w[2][k], w[0][i] * g[1][j] * w[2][k],
+                 Quad<T>{{(g[0][i] + hoop[i]) * w[1][j] * w[2][k], w[0][i] * g[1][j] * w[2][k],
                           w[0][i] * w[1][j] * g[2][k], n.weight(i, j, k)}});
     });
   }
@@ -78,10 +80,10 @@ PM_HD Vec3<T> contact_impulse(const Vec3<T>& relative, T first_mass, T second_ma
 }
 
 // Extends the reach of a bundle's body at the nodes where it meets another (19). `at(node)` is the meeting at
-// a node of the first field or null; `volume(p)` of a point in m^3.
-template <class Shape, class T, class At, class Volume>
+// a node of the first field or null; `width(p)` of a point in m.
+template <class Shape, class T, class At, class Width>
 void add_reach(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, At&& at,
-               Volume&& volume) {
+               Width&& width) {
   const std::size_t field = grid.field_of(bundle.node);
   const int side = field == 0 ? 0 : 1;
   const T along = side == 0 ? grid.cell : -grid.cell;
@@ -90,7 +92,7 @@ void add_reach(const Points<T>& points, const GridGeometry<T>& grid, const Bundl
     if (!meeting) return;
     for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
       const Vec3<T> beyond = points.vector(Field::place, p) - Vec3<T>{T(i), T(j), T(k)};
-      const T reach = along * dot(beyond, meeting->normal) + T(0.5) * std::cbrt(volume(p));
+      const T reach = along * dot(beyond, meeting->normal) + T(0.5) * width(p);
       meeting->reach[side] = max(meeting->reach[side], reach);
     }
   });

@@ -28,6 +28,7 @@ struct GridGeometry {
   double per_plane = 1, per_row = 1;   // 1 / nodes of a plane (one i), of a row (one i and j)
   std::size_t field_count = 1;         // velocity fields
   std::array<bool, 6> is_symmetric{};  // of each face: whether it is a plane of symmetry
+  bool is_axisymmetric = false;        // x is a radius (hoop.hpp)
 
   GridGeometry() = default;
   GridGeometry(const Vec3<T>& lower_, T cell_, const std::array<int, 3>& cells_)

@@ -44,6 +44,7 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
       R d[3][3];  // dt/2 d v_c / d x_a
       const auto f = points.template vector<R>(Field::place, p, n);
       displacement.slopes(f, d);
+      if (grid.is_axisymmetric) d[1][1] = hoop_slope(grid, bundle, displacement, f, d);
       Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
                     d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
       part.replace_trace(small, f);

@@ -102,6 +102,7 @@ void add_damping(const Points<T>& points, const GridGeometry<T>& grid, const Fac
       int cell[3];
       for (int a = 0; a < 3; ++a) cell[a] = a == axis ? layer : bundle.base[a] + int(std::floor(f[a]));
       if (!anchorage.note(grid, cell, axis)) continue;
+      const T radius = radius_in_cells(grid, bundle, f.x);  // of a ring, which is shorter than the face's
       // Projected onto the face; the linear stencil of an upper face ends on it.
       int base[3] = {bundle.base[0], bundle.base[1], bundle.base[2]};
       base[axis] = Shape::support == 2 ? layer : layer + face % 2 - 1;
@@ -110,7 +111,8 @@ void add_damping(const Points<T>& points, const GridGeometry<T>& grid, const Fac
       const auto& damper = dampers[points.body[p]];
       const T volume =
           (T(1) + points.at(Field::dilation)[p]) * points.at(Field::mass)[p] * damper.specific_volume;
-      const T area = share * volume * grid.per_metre;
+      T area = share * volume * grid.per_metre;
+      if (grid.is_axisymmetric && axis == 0) area *= T(layer + face % 2 - grid.pad) / radius;
       Quad<T> per_direction;
       for (int a = 0; a < 3; ++a) per_direction.v[a] = a == axis ? damper.normal : damper.tangential;
       Patch<Shape, T>::for_each([&](int i, int j, int k) {

@@ -47,8 +47,9 @@ void bind_solver(nb::module_& m, const char* name) {
   SolverClass<D> solver(m, name);
   solver
       .def(nb::init<std::array<double, 3>, double, std::array<int, 3>, const std::vector<Face>&,
-                    std::vector<MaterialSpec>, const Options&, int>(),
-           "lower"_a, "cell"_a, "cells"_a, "faces"_a, "materials"_a, "options"_a, "threads"_a)
+                    std::vector<MaterialSpec>, const Options&, int, bool>(),
+           "lower"_a, "cell"_a, "cells"_a, "faces"_a, "materials"_a, "options"_a, "threads"_a,
+           "axisymmetric"_a = false)
       .def("set_contact", &set_contact<D>, "in_second"_a, "friction"_a,
            "Give the bodies for which `in_second` a velocity field of their own, before any point is added.")
       .def(

@@ -12,6 +12,16 @@ struct VolumeOf {
   Points<T> points;
   T operator()(std::size_t p) const { return T(model->volume(points, p)); }
 };
+// The current width (m) of a point: the side of a cube, or of a ring's square section.
+template <class T>
+struct WidthOf {
+  VolumeOf<T> volume;
+  T operator()(std::size_t p) const {
+    const auto& grid = volume.model->grid;
+    if (!grid.is_axisymmetric) return std::cbrt(volume(p));
+    return std::sqrt(volume(p) / T(circumference(grid, volume.points, p)));
+  }
+};
 
 template <class T>
 class Contact {
@@ -36,7 +46,8 @@ class Contact {
     driver.scatter([&](int, const Block& block) {
       for_each_bundle(block, [&](const Bundle& bundle) {
         add_reach<Shape>(
-            driver.points(), model.grid, bundle, [&](std::size_t node) { return at(node); }, volume);
+            driver.points(), model.grid, bundle, [&](std::size_t node) { return at(node); },
+            WidthOf<T>{volume});
       });
     });
     take_back_images(count);

@@ -70,8 +70,9 @@ std::vector<float> volume_fraction(const Model<T>& model, const Driver& driver,
   std::vector<float> out(grid.node_count());
   const auto add = [&](std::size_t p, const Bundle& bundle) {
     const auto f = points.vector(Field::place, p);
-    const float share =
-        float((1 + double(points.at(Field::dilation)[p])) * model.reference_volume(points, p) * per_cell);
+    double volume = (1 + double(points.at(Field::dilation)[p])) * model.reference_volume(points, p);
+    if (grid.is_axisymmetric) volume *= double(grid.cell) / circumference(grid, points, p);  // in the slice
+    const float share = float(volume * per_cell);
     int base[3];
     float w[3][2];
     for (int a = 0; a < 3; ++a) {

@@ -212,6 +212,7 @@ class Step {
   void add_forces(const Block& block, Columns<T, 6>& push, Force<T> force) {
     volume_.take_mean_stress(block, push);
     driver_.template add_force<Shape>(block, push, force);
+    if (grid_.is_axisymmetric) add_hoop_force<Shape>(driver_.points(), grid_, block, push, force);
   }
   void finish_forces(Force<T> force) {
     finish(force);

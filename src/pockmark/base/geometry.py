@@ -84,6 +84,7 @@ class Setup:
     centre: tuple[float, float] = (0.0, 0.0)  # m, x and y of the first projectile, or of the grid
     arrival: float | None = None  # s: when the first projectile meets z = 0; None where none moves
     settled: float | None = None  # s: when the crater should have settled; None where nothing is known
+    is_axisymmetric: bool = False  # points are rings: x their radius, mass and volume those of the circle
 
     @property
     def targets(self) -> tuple[int, ...]:

@@ -94,7 +94,10 @@ def of_crater(crater: Crater | None, surface: Surface | None, setup: Setup) -> I
             "the target's back has a share in it"
         )
     edge, (x, y) = FIT_RADIUS * surface.spacing, crater.bottom
-    if min(x - surface.x[0], surface.x[-1] - x, y - surface.y[0], surface.y[-1] - y) < edge:
+    sides = [x - surface.x[0], surface.x[-1] - x]
+    if not surface.is_section:
+        sides += [y - surface.y[0], surface.y[-1] - y]
+    if min(sides) < edge:
         yield "the crater's floor touches a side face of what is computed: it may be deeper beyond"
     if crater.contour is None:
         yield (

@@ -113,12 +113,17 @@ def _without_pits(floor: Array, spacing: float) -> Array:
 
 
 def _depth(surface: Surface, floor: Array, i: int, j: int) -> float:
-    """Return the depth, m, of the vertex of a paraboloid fitted to the floor around column (i, j).
-
-    If the paraboloid has no vertex there, its depth at the column is returned.
-    """
-    radius = FIT_RADIUS * surface.spacing
+    """Return the depth, m, of the floor around column (i, j), by a fit."""
     dx, dy = np.meshgrid(surface.x - surface.x[i], surface.y - surface.y[j], indexing="ij")
+    return vertex_depth(dx, dy, floor, FIT_RADIUS * surface.spacing)
+
+
+def vertex_depth(dx: Array, dy: Array, floor: Array, radius: float) -> float:
+    """Return the depth, m, of the vertex of a paraboloid fitted to a floor within a radius (m) of dx = dy = 0.
+
+    dx, dy and the floor's height are (nx, ny), m. If the paraboloid has no vertex there, its depth in the middle is
+    returned.
+    """
     near = dx**2 + dy**2 <= radius**2
     u, v = dx[near] / radius, dy[near] / radius
     basis = np.stack([np.ones_like(u), u, v, u**2, u * v, v**2], axis=1)
@@ -209,7 +214,7 @@ class Pithead:
     ellipse: Ellipse
 
 
-def _at_zero(values: Array) -> Array:
+def at_zero(values: Array) -> Array:
     """Return what values (n, m) would be at z = 0, by straight lines.
 
     They are those of the slices 1, 2, ... n node distances below z = 0.
@@ -254,10 +259,10 @@ class Bowl:
         count = min(max(1, min(5, int(depth / surface.spacing))), self.slices)
         lines = [contour, *(largest_contour(self.slice(self.slices - 1 - n)) for n in range(1, count))]
         found = [polygon_moments(line) for line in lines if line is not None]
-        area = float(_at_zero(np.array([m.area for m in found])))
+        area = float(at_zero(np.array([m.area for m in found])))
         if area <= 0:  # a pit that widens below z = 0 so much that it has no opening
             return None
-        centre = _at_zero(np.array([m.centre for m in found]))
+        centre = at_zero(np.array([m.centre for m in found]))
         shape = np.mean([m.covariance / m.area for m in found], axis=0)
         shape = with_area(shape, area)
         apart, corner = surface.node_distance, np.array([surface.x[0], surface.y[0]])

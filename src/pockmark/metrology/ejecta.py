@@ -3,15 +3,16 @@
 docs/metrology.md says which mass counts. All figures are of the whole impact: what symmetry planes hide is counted.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.geometry import Mirror, Setup, copies
+from ..base.geometry import Setup, copies
 from .pieces import attached
+from .section import section_area
 
 Array = NDArray[np.float64]
 SPEED_BINS, ANGLE_BINS = 16, 9
@@ -46,7 +47,10 @@ def find_ejecta(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Ejecta:
         owner = np.full(len(mass), -1)
         for number, bodies in enumerate(setup.walls):
             owner[np.isin(snapshot["body"], bodies)] = number
-    hangs = attached(snapshot["position"], snapshot["volume"], setup.spacing, owner)
+    position, volume = snapshot["position"], snapshot["volume"]
+    if setup.is_axisymmetric:  # as a slice that fills the cells in which pieces are looked for
+        volume = section_area(position, volume) * 2 * setup.spacing
+    hangs = attached(position, volume, setup.spacing, owner)
     away = ~hangs & (velocity[:, 2] > 0)
     velocity, mass = velocity[away], mass[away] * copies(setup.mirrors)
     speed = np.linalg.norm(velocity, axis=1)
@@ -54,19 +58,20 @@ def find_ejecta(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Ejecta:
     fastest = float(speed.max(initial=0.0)) or 1.0
     by_speed, speed_edges = np.histogram(speed, SPEED_BINS, (0.0, fastest), weights=mass)
     by_angle, angle_edges = np.histogram(angle, ANGLE_BINS, (0.0, np.pi / 2), weights=mass)
-    momentum = whole_momentum((mass[:, None] * velocity).sum(axis=0), setup.mirrors)
+    momentum = whole_momentum((mass[:, None] * velocity).sum(axis=0), setup)
     kinetic = 0.5 * float(mass @ speed**2)
     return Ejecta(float(mass.sum()), momentum, kinetic, speed_edges, by_speed, angle_edges, by_angle)
 
 
-def whole_momentum(momentum: Array, mirrors: Sequence[Mirror]) -> Array:
+def whole_momentum(momentum: Array, setup: Setup) -> Array:
     """Return a momentum (3,) of the whole impact, kg m/s, given that of it without what mirrors hide.
 
-    Its components across symmetry planes are 0, for the mirror image has the opposite ones.
+    Its components across symmetry planes are 0, for the mirror image has the opposite ones. So are those of rings,
+    but along the axis.
     """
     out = np.array(momentum, dtype=float)
-    for mirror in mirrors:
-        out[mirror.axis] = 0.0
+    for axis in (0, 1) if setup.is_axisymmetric else [mirror.axis for mirror in setup.mirrors]:
+        out[axis] = 0.0
     return out
 
 

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from ..base.geometry import Setup
 from . import cautions, results
-from .hole import measure_hole
 from .morphology import group_of
 from .surface import Filling, Surface
 
@@ -33,7 +32,7 @@ def measures(
     filling = results.filling_of(snapshot, setup)
     surface = surface_of(filling)
     crater = results.crater_of(surface, setup.heading)
-    hole = None if surface is None else measure_hole(surface)
+    hole = results.hole_of(surface)
     is_open = surface is not None and bool(surface.holes.any())
     table = results.result_table(crater, float(snapshot["time"][0]), setup, ledger, run, counters)
     table["crater"] |= results.morphology_table(snapshot, filling, crater, setup)

@@ -16,6 +16,8 @@ from .hole import Hole, measure_hole
 from .lining import lining
 from .modes import bottoms_of, measures_of, mode_of
 from .morphology import Group, Pit
+from .round import measure_round_crater, measure_round_hole
+from .section import section_filling
 from .surface import Filling, Surface, target_filling
 from .uncertainty import LEVELS, half_difference, uncertainties
 
@@ -54,7 +56,8 @@ def filling_of(snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> Filling | 
         return None
     is_target = np.isin(snapshot["body"], wall.bodies)
     position, volume = snapshot["position"][is_target], snapshot["volume"][is_target]
-    return target_filling(position, volume, setup)
+    fill = section_filling if setup.is_axisymmetric else target_filling
+    return fill(position, volume, setup)
 
 
 def misplaced(snapshot: Mapping[str, NDArray[Any]]) -> int:
@@ -69,7 +72,16 @@ def misplaced(snapshot: Mapping[str, NDArray[Any]]) -> int:
 
 def crater_of(surface: Surface | None, heading: tuple[float, float] = (1.0, 0.0)) -> Crater | None:
     """Return the crater in the target's surface; None if there is none."""
-    return None if surface is None else measure_crater(surface, heading)
+    if surface is None:
+        return None
+    return measure_round_crater(surface) if surface.is_section else measure_crater(surface, heading)
+
+
+def hole_of(surface: Surface | None) -> Hole | None:
+    """Return the holes in the target's surface; None if there are none."""
+    if surface is None:
+        return None
+    return measure_round_hole(surface) if surface.is_section else measure_hole(surface)
 
 
 def morphology_table(
@@ -83,7 +95,7 @@ def morphology_table(
     if filling is None or crater is None:
         return shape
     mass, thickness = lining(snapshot, crater, setup)
-    low, high = (measure_crater(filling.surface(level), setup.heading) for level in LEVELS)
+    low, high = (crater_of(filling.surface(level), setup.heading) for level in LEVELS)
     shape |= {
         "bottom_x": crater.bottom[0],
         "bottom_y": crater.bottom[1],
@@ -113,7 +125,7 @@ def hole_table(filling: Filling | None, hole: Hole | None) -> dict[str, Any]:
     table: dict[str, Any] = dict.fromkeys(HOLE) | {"perforated": hole is not None, "holes": 0}
     if filling is None or hole is None:
         return table
-    low, high = (measure_hole(filling.surface(level)) for level in LEVELS)
+    low, high = (hole_of(filling.surface(level)) for level in LEVELS)
     spread = {
         "hole_" + key: half_difference(*(getattr(h, key) if h else None for h in (low, high)))
         for key in ("width", "diameter")
@@ -205,7 +217,7 @@ def ejecta_table(
     or some flies on through the wall.
     """
     n = copies(setup.mirrors)
-    left = whole_momentum(n * np.array([ledger[key] for key in LEFT_MOMENTUM]), setup.mirrors)
+    left = whole_momentum(n * np.array([ledger[key] for key in LEFT_MOMENTUM]), setup)
     table: dict[str, Any] = dict.fromkeys(EJECTA) | {
         "left_mass": n * ledger["left_mass"],
         "left_momentum": left.tolist(),

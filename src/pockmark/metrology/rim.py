@@ -44,7 +44,7 @@ def rim_of(surface: Surface, height: Array, centre: tuple[float, float]) -> Rim 
     """Return the rim around a centre (x, y; m); None if fewer than half of the directions have a crest."""
     height = ndimage.median_filter(height, size=3)  # takes off what sticks out by a column or two
     angles = (np.arange(SECTORS) + 0.5) * 2 * math.pi / SECTORS
-    found = [crest for angle in angles if (crest := _crest_along(surface, height, centre, angle))]
+    found = [crest for angle in angles if (crest := crest_along(surface, height, centre, angle))]
     if 2 * len(found) < SECTORS:
         return None
     radius, flatness = np.array(found).T
@@ -54,7 +54,7 @@ def rim_of(surface: Surface, height: Array, centre: tuple[float, float]) -> Rim 
     return Rim(diameter, 2 * math.sqrt(float(np.mean(flatness**2)) / 3 / independent))
 
 
-def _crest_along(
+def crest_along(
     surface: Surface, height: Array, centre: tuple[float, float], angle: float
 ) -> tuple[float, float] | None:
     """Return the distance of the crest in a direction, m, and how flat it is, m.

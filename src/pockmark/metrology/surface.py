@@ -29,7 +29,8 @@ class OnNodes:
     """A fraction (nx, ny, nz) at nodes x (nx,), y (ny,), z (nz,), m, half a spacing apart.
 
     `spacing` is that of the points, m, `back` the height of the wall's back, m. `is_backed` says that what lies
-    behind the back is not computed. What lies behind a symmetry plane is in the arrays, too.
+    behind the back is not computed. What lies behind a symmetry plane is in the arrays, too. With one node along y it
+    is a section through the axis of what is axisymmetric (section.py).
     """
 
     x: Array
@@ -39,6 +40,11 @@ class OnNodes:
     spacing: float
     back: float = -np.inf
     is_backed: bool = False
+
+    @property
+    def is_section(self) -> bool:
+        """Return whether it is a section through the axis of what is axisymmetric."""
+        return len(self.y) == 1
 
     @property
     def node_distance(self) -> float:
@@ -97,13 +103,19 @@ class Surface(OnNodes):
         Their columns are the two other axes, in order. The list is empty if the plane lies outside.
         """
         nodes = (self.x, self.y, self.z)
+        if self.is_section and axis == 1 and at == self.y[0]:
+            return self._lines(self.fraction[:, 0], axis)
         place = (at - nodes[axis][0]) / (nodes[axis][1] - nodes[axis][0])
         if not 0 <= place <= len(nodes[axis]) - 1:
             return []
         below = min(int(place), len(nodes[axis]) - 2)
         near = self.fraction.take([below, below + 1], axis=axis)
         plane = near.take(0, axis=axis) * (below + 1 - place) + near.take(1, axis=axis) * (place - below)
-        origin = np.array([nodes[a][0] for a in range(3) if a != axis])
+        return self._lines(plane, axis)
+
+    def _lines(self, plane: Array, axis: int) -> list[Array]:
+        """Return the lines (n, 2), m, of the surface in a plane across an axis, given the fraction in it."""
+        origin = np.array([nodes[0] for a, nodes in enumerate((self.x, self.y, self.z)) if a != axis])
         lines = find_contours(plane, 0.5)  # type: ignore[no-untyped-call]
         return [origin + line * self.node_distance for line in lines]
 
@@ -187,7 +199,7 @@ def _filling_in(target: _Target, lower: Array, upper: Array) -> Filling:
     )
     first = np.floor((lower - origin) / (spacing / 2) + 1e-6).astype(np.int64)
     last = np.ceil((upper - origin) / (spacing / 2) - 1e-6).astype(np.int64)
-    fraction = _volume_fraction((position - origin) / spacing, volume / spacing**3, first, last)
+    fraction = volume_fraction((position - origin) / spacing, volume / spacing**3, first, last)
     x, y, z = (origin[a] + np.arange(first[a], last[a] + 1) * spacing / 2 for a in range(3))
     return Filling(x, y, z, fraction, spacing)
 
@@ -244,13 +256,13 @@ def _neighbourhood(target: _Target) -> tuple[Array, Array] | None:
     return lower + start * width, lower + stop * width
 
 
-def _volume_fraction(
+def volume_fraction(
     position: Array, share: Array, first: NDArray[np.int64], last: NDArray[np.int64]
 ) -> Array:
-    """Return the volume fraction at the nodes first .. last, half a spacing apart.
+    """Return the fraction at the nodes first .. last, half a spacing apart, of space or of a plane.
 
-    `position` (n, 3) is in spacings, `share` (n,) in cubes of a spacing. A tent of one spacing is the sum of three of
-    half a spacing, weighted 1/2, 1, 1/2: so eight nodes a point are enough.
+    `position` (n, 3 or 2) is in spacings, `share` (n,) in cubes or squares of a spacing. A tent of one spacing is the
+    sum of three of half a spacing, weighted 1/2, 1, 1/2: so eight nodes a point are enough, or four.
     """
     local = 2 * position - (first - REACH)
     base = np.floor(local).astype(np.int64)
@@ -259,11 +271,14 @@ def _volume_fraction(
     base, local, share = base[inside], local[inside], share[inside]
     weights = np.stack([1.0 - (local - base), local - base])
     out = np.zeros(int(np.prod(shape)))
-    for i, j, k in np.ndindex(2, 2, 2):
-        node = np.ravel_multi_index((base[:, 0] + i, base[:, 1] + j, base[:, 2] + k), shape)
-        weight = share * weights[i, :, 0] * weights[j, :, 1] * weights[k, :, 2]
+    axes = range(len(shape))
+    for corner in np.ndindex(*(2 for _ in axes)):
+        node = np.ravel_multi_index(tuple((base + corner).T), shape)
+        weight = share
+        for axis, side in zip(axes, corner, strict=True):
+            weight = weight * weights[side, :, axis]
         out += np.bincount(node, weight, minlength=out.size)
     fraction = out.reshape(shape)
-    for axis in range(3):
+    for axis in axes:
         fraction = ndimage.convolve1d(fraction, [0.5, 1.0, 0.5], axis=axis)
-    return np.asarray(fraction[(slice(REACH, -REACH),) * 3])
+    return np.asarray(fraction[(slice(REACH, -REACH),) * len(shape)])

@@ -63,7 +63,7 @@ def _within(wall: Wall, scene: Scene) -> tuple[tuple[slice, slice, slice], Array
     They lie within the wall's sides, which move with the faces. They go from the first ones at or above z = 0 down to
     the wall's back; if that is free, down to the grid's bottom.
     """
-    grid, mirrored = scene.grid, {(m.axis, m.above) for m in scene.mirrors}
+    grid, mirrored = scene.grid, {(m.axis, m.above) for m in scene.planes}
     ends = []
     for axis in (0, 1):
         low, high = ((end[axis] - grid.lower[axis]) / grid.cell for end in (wall.lower, wall.upper))
@@ -82,7 +82,7 @@ def _whole_at_mirrors(fraction: NDArray[np.float32], scene: Scene) -> NDArray[np
     To nodes on a symmetry plane it adds the images of their points.
     """
     fraction = fraction[(slice(OUTSIDE, -OUTSIDE),) * 3]
-    for mirror in scene.mirrors:
+    for mirror in scene.planes:
         fraction[(slice(None),) * mirror.axis + (-1 if mirror.above else 0,)] *= 2
     return fraction
 

@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from ..base.errors import PockmarkError
 from ..base.files import AnyPath, as_path, replaced, told
 from ..metrology import results
-from ..metrology.hole import measure_hole
 from ..metrology.measures import UNWARNED
 from ..view.plots import HISTORY_COLUMNS, history_figure, process_figure, slice_figure
 from .measured import in_the_grid, surface_in
@@ -32,7 +31,7 @@ def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
             snapshot,
             setup,
             crater=results.crater_of(surface, setup.heading),
-            is_perforated=surface is not None and measure_hole(surface) is not None,
+            is_perforated=results.hole_of(surface) is not None,
             title=f"{title}, {float(snapshot['time'][0]) * 1e9:.0f} ns"
             + (f" ({status})" if status in UNENDED else ""),
         ),

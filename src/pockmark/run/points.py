@@ -29,17 +29,17 @@ class Points:
 def make_points(scene: Scene) -> Iterator[Points]:
     """Give all points of a scene, piece by piece. What lies behind a symmetry plane is left out."""
     for index, body in enumerate(scene.body):
-        x = body.lattice(scene.grid.box)
-        volume = body.point_volume
-        mass = volume * scene.materials[body.material].density
+        x, volumes = scene.filled(body)
+        density = scene.materials[body.material].density
         velocity = scene.velocity(body)
         for start in range(0, len(x), PIECE):
             position = np.asarray(x[start : start + PIECE], dtype=np.float64)
+            volume = np.ascontiguousarray(volumes[start : start + PIECE])
             n = len(position)
             yield Points(
                 position,
                 np.tile(np.array(velocity), (n, 1)),
-                np.full(n, mass),
-                np.full(n, volume),
+                volume * density,
+                volume,
                 np.full(n, index, dtype=np.uint8),
             )

@@ -30,13 +30,14 @@ def setup_of(scene: Scene) -> Setup:
         centre=_centre(scene),
         arrival=min(arrivals(scene), default=None),
         settled=settled_at(scene),
+        is_axisymmetric=scene.grid.is_axisymmetric,
     )
 
 
 def _mass(scene: Scene, i: int) -> float:
     """Return the mass at the start of a body's points that are computed, kg."""
     body = scene.body[i]
-    return body.count(scene.grid.box) * body.point_volume * scene.materials[body.material].density
+    return scene.volume(body) * scene.materials[body.material].density
 
 
 def _projectile_diameter(scene: Scene) -> float:
@@ -62,8 +63,10 @@ def _swarm(scene: Scene) -> tuple[tuple[tuple[float, float], ...], float]:
 
 
 def _centre(scene: Scene) -> tuple[float, float]:
-    """Return x and y (m) of the first projectile; of the grid's middle without one."""
+    """Return x and y (m) of the first projectile; without one, of the axis or of the grid's middle."""
     if scene.projectiles:
         return scene.body[scene.projectiles[0]].foot
+    if scene.grid.is_axisymmetric:
+        return 0.0, 0.0
     (x0, y0, _), (x1, y1, _) = scene.grid.box
     return (x0 + x1) / 2, (y0 + y1) / 2

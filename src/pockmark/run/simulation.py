@@ -55,7 +55,7 @@ class Simulation:
         self.point_steps = 0
         self._solver = _make_solver(scene, self.threads, driver, sleep=sleep)
         if parts is None:
-            self._solver.reserve(sum(body.count(scene.grid.box) for body in scene.body))
+            self._solver.reserve(sum(scene.count(body) for body in scene.body))
             for piece in make_points(scene):
                 self._solver.add_points(piece.position, piece.velocity, piece.mass, piece.volume, piece.body)
             self._solver.initialize()
@@ -268,6 +268,7 @@ def _make_solver(scene: Scene, threads: int, driver: str, *, sleep: bool) -> Any
             sleep=sleep,
         ),
         threads=threads,
+        axisymmetric=scene.grid.is_axisymmetric,
     )
     solver.let_fly([b.projectile or b.velocity is not None for b in scene.body])
     if scene.contact:

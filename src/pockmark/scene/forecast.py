@@ -42,7 +42,7 @@ class Forecast:
 
 def forecast(scene: Scene, threads: int) -> Forecast:
     """Return points, cells, steps, memory, disk and time that a scene will take, with warnings."""
-    points = sum(body.count(scene.grid.box) for body in scene.body)
+    points = sum(scene.count(body) for body in scene.body)
     steps = math.ceil(scene.steps_about)
     slower = 2.8 if scene.numerics.shape_functions == "quadratic" else 1.0
     slower += 0.3 if scene.numerics.volumetric_strain == "cells" else 0.0

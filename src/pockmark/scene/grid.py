@@ -9,17 +9,27 @@ from ..base.units import Length
 from .bodies import Vector, require_size
 from .model import Model
 
+Geometry = Literal["3d", "axisymmetric"]
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
 MAX_NODES = 2**32 - 2  # what the core can number
 
 
 class Grid(Model):
-    """The background grid: a box of cubic cells. Its upper corner is rounded up to whole cells."""
+    """The background grid: a box of cubic cells. Its upper corner is rounded up to whole cells.
 
+    That of an axisymmetric scene is a slice one cell thick (axisymmetry.py).
+    """
+
+    geometry: Geometry = "3d"
     lower: Vector
     upper: Vector
     cell: Annotated[Length, Field(gt=0)]
+
+    @property
+    def is_axisymmetric(self) -> bool:
+        """Return whether points are rings, and x the radius."""
+        return self.geometry == "axisymmetric"
 
     @property
     def cells(self) -> tuple[int, int, int]:

@@ -49,9 +49,7 @@ def impact_rows(scene: Scene) -> Iterator[tuple[str, str]]:
 def projectile_mass(scene: Scene) -> float:
     """Return the mass of all projectiles, with what symmetry planes hide, kg."""
     bodies = [scene.body[i] for i in scene.projectiles]
-    computed = (
-        b.count(scene.grid.box) * b.point_volume * scene.materials[b.material].density for b in bodies
-    )
+    computed = (scene.volume(b) * scene.materials[b.material].density for b in bodies)
     return copies(scene.mirrors) * math.fsum(computed)
 
 
@@ -138,7 +136,7 @@ def _balls(scene: Scene) -> list[Ball]:
     out = []
     for body in (scene.body[i] for i in scene.projectiles):
         own = body.ball_diameter
-        volume = body.count(scene.grid.box) * body.point_volume * copies(_halving(body, scene))
+        volume = scene.volume(body) * copies(_halving(body, scene))
         diameter = math.cbrt(6 / math.pi * volume) if own is None else own
         out.append(Ball(diameter, scene.materials[body.material].density, own is not None))
     return out
@@ -192,10 +190,10 @@ def _too_wide(scene: Scene, depth: float) -> str:
     The text is empty if they do along none.
     """
     places = [place for i in scene.projectiles for place in _places(scene.body[i], scene)]
-    for axis, name in enumerate("xy"):
+    for axis, name in enumerate("x" if scene.grid.is_axisymmetric else "xy"):
         low, high = min(p[axis] for p in places) - depth, max(p[axis] for p in places) + depth
         left, right = scene.grid.lower[axis], scene.grid.corner[axis]
-        for mirror in scene.mirrors:
+        for mirror in scene.planes:
             if mirror.axis == axis and mirror.above:
                 high, right = 2 * mirror.at - low, 2 * mirror.at - left
             elif mirror.axis == axis:

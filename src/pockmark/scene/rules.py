@@ -53,10 +53,11 @@ def _points_can_be_numbered(scene: "Scene") -> Iterator[str]:
     """Say which body's points are too many for the core."""
     total = 0.0
     for i, body in enumerate(scene.body):
-        total += body.points_about
+        about = body.rings_about if scene.grid.is_axisymmetric else body.points_about
+        total += about
         if not total <= MAX_POINTS:
             key = f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m"
-            yield f"{key} makes {body.points_about:.3g} points, at most {MAX_POINTS} fit"
+            yield f"{key} makes {about:.3g} points, at most {MAX_POINTS} fit"
             return
 
 
@@ -88,7 +89,7 @@ def _contact_has_two_sides(scene: "Scene") -> Iterator[str]:
 def _bodies_have_points(scene: "Scene") -> Iterator[str]:
     """Say which bodies have no points in the grid."""
     for i, body in enumerate(scene.body):
-        if body.count(scene.grid.box) == 0:
+        if scene.count(body) == 0:
             yield f"body[{i}] '{body.name}': a spacing of {body.spacing:g} m leaves it without points"
 
 
@@ -138,6 +139,8 @@ def _outside(scene: "Scene", key: str, body: Solid) -> Iterator[str]:
     lower, upper = body.box
     for face, kind in zip(FACES, scene.boundary.faces, strict=True):
         axis, is_upper = FACES.index(face) // 2, face.endswith("upper")
+        if axis == 1 and scene.grid.is_axisymmetric:  # a body is round, its slice is not
+            continue
         limit = scene.grid.corner[axis] if is_upper else scene.grid.lower[axis]
         beyond = upper[axis] - limit if is_upper else limit - lower[axis]
         if beyond <= tolerance + (body.spacing / 2 if body.rounded and kind != "symmetry" else 0.0):

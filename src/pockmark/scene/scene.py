@@ -15,7 +15,8 @@ from ..base.files import AnyPath, as_path
 from ..base.geometry import Mirror
 from ..base.toml import read_toml, to_toml
 from ..base.units import quantity
-from .bodies import Body
+from .axisymmetry import obstacles, slice_of
+from .bodies import Array, Body
 from .grid import Boundary, Grid
 from .impact import Impact
 from .materials import Material, complete
@@ -98,10 +99,15 @@ class Scene(Model):
 
     @model_validator(mode="after")
     def _is_sound(self) -> Self:
-        """Return the scene. Raises ValueError with every rule between its tables that it breaks."""
-        if told := broken_rules(self):
+        """Return the scene as it is computed. Raises ValueError with every rule between its tables that it breaks."""
+        scene = self
+        if self.grid.is_axisymmetric:
+            if told := [*obstacles(self)]:
+                raise ValueError(together(told))
+            scene = slice_of(self)
+        if told := broken_rules(scene):
             raise ValueError(together(told))
-        return self
+        return scene
 
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as plain tables, SI numbers. from_dict() makes the same scene of them."""
@@ -140,6 +146,24 @@ class Scene(Model):
         """Return the indices of the other bodies."""
         return tuple(i for i, b in enumerate(self.body) if not b.projectile)
 
+    def filled(self, body: Body) -> tuple[Array, Array]:
+        """Return positions (n, 3), m, and volumes (n,), m^3, of the points of a body that are computed."""
+        if self.grid.is_axisymmetric:
+            rings = body.rings()
+            return rings, body.ring_volumes(rings)
+        x = body.lattice(self.grid.box)
+        return x, np.broadcast_to(body.point_volume, len(x))
+
+    def count(self, body: Body) -> int:
+        """Return how many points of a body are computed."""
+        return len(body.rings()) if self.grid.is_axisymmetric else body.count(self.grid.box)
+
+    def volume(self, body: Body) -> float:
+        """Return the volume of what is computed of a body, m^3; of rings it is the whole."""
+        if self.grid.is_axisymmetric:
+            return float(self.filled(body)[1].sum())
+        return self.count(body) * body.point_volume
+
     def velocity(self, body: Body) -> tuple[float, float, float]:
         """Return the velocity of a body at the start, m/s.
 
@@ -162,7 +186,15 @@ class Scene(Model):
 
     @property
     def mirrors(self) -> tuple[Mirror, ...]:
-        """Return the symmetry planes across the surface. What lies behind them is not computed."""
+        """Return the symmetry planes across the surface behind which there is more than what is computed.
+
+        Rings are whole, so an axisymmetric scene has none.
+        """
+        return () if self.grid.is_axisymmetric else self.planes
+
+    @property
+    def planes(self) -> tuple[Mirror, ...]:
+        """Return the symmetry planes across the surface, those of a slice included."""
         return tuple(
             Mirror(i // 2, at=(self.grid.lower, self.grid.corner)[i % 2][i // 2], above=bool(i % 2))
             for i, kind in enumerate(self.boundary.faces[:4])
@@ -200,9 +232,10 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     hashed = {key: value for key, value in table.items() if titled or key != "title"}
     if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
         hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
-    if isinstance(numerics := hashed.get("numerics"), Mapping):
-        before = {"volumetric_strain": "points"}
-        hashed["numerics"] = {key: value for key, value in numerics.items() if value != before.get(key)}
+    before = {"numerics": ("volumetric_strain", "points"), "grid": ("geometry", "3d")}
+    for name, known in before.items():
+        if isinstance(part := hashed.get(name), Mapping):
+            hashed[name] = {key: value for key, value in part.items() if (key, value) != known}
     return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 

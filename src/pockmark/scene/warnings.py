@@ -147,7 +147,8 @@ def _lattice_warnings(body: Solid, scene: Scene) -> list[str]:
     per_cell = scene.grid.cell / pitch
     if per_cell < 2 * (1 - 1e-9):
         out.append(f"{per_cell:.2g} points a cell along an axis; 2 is the usual least")
-    if body.rounded and abs((ratio := body.count() * body.point_volume / body.written_volume) - 1) > 0.01:
+    whole = scene.volume(body) if scene.grid.is_axisymmetric else body.count() * body.point_volume
+    if body.rounded and abs((ratio := whole / body.written_volume) - 1) > 0.01:
         out.append(f"rounded to whole spacings, it has {ratio:.3g} times the mass of the written size")
     return out
 
@@ -182,7 +183,7 @@ def _face_warnings(projectile: Solid, scene: Scene) -> list[str]:
     """Name the faces closer than two diameters, the one under the target included."""
     lower, upper = projectile.box
     diameter = upper[2] - lower[2]
-    faces, mirrored = ("x_lower", "x_upper", "y_lower", "y_upper"), [(m.axis, m.above) for m in scene.mirrors]
+    faces, mirrored = ("x_lower", "x_upper", "y_lower", "y_upper"), [(m.axis, m.above) for m in scene.planes]
     gaps = {}
     for i, face in enumerate(faces):
         axis, above = i // 2, bool(i % 2)

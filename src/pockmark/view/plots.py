@@ -19,6 +19,7 @@ from ..base.errors import shown
 from ..base.geometry import Setup
 from ..base.ledger import DRAWN, LEFT_ENERGIES
 from ..metrology.crater import Crater
+from ..metrology.section import section_area
 from ..metrology.stress import effective_stress
 
 Fields = Mapping[str, NDArray[Any]]  # of a snapshot
@@ -54,13 +55,21 @@ class Cut:
         across = slice_axis(setup)
         near = np.abs(snapshot["position"][:, across] - slice_plane(setup)) < setup.spacing
         near &= np.isfinite(snapshot["position"]).all(axis=1) & (snapshot["volume"] > 0)
-        position, body = snapshot["position"][near] * 1e6, snapshot["body"][near]
+        there = np.flatnonzero(near)
+        side = np.ones(len(there))
+        position, volume = snapshot["position"][there] * 1e6, snapshot["volume"][there]
+        width = np.cbrt(volume) * 1e6
+        if setup.is_axisymmetric:  # a ring cuts the plane on both sides of the axis
+            width = np.sqrt(section_area(snapshot["position"][there], volume)) * 1e6
+            side = np.repeat((1.0, -1.0), len(there))
+            there, position, width = np.tile(there, 2), np.tile(position, (2, 1)), np.tile(width, 2)
+        body = snapshot["body"][there]
         return cls(
-            position[:, 1 - across],
+            side * position[:, 1 - across],
             position[:, 2],
-            np.cbrt(snapshot["volume"][near]) * 1e6,
-            effective_stress(snapshot["deviator"][near]) / 1e6,
-            snapshot["pressure"][near] / 1e6,
+            width,
+            effective_stress(snapshot["deviator"][there]) / 1e6,
+            snapshot["pressure"][there] / 1e6,
             body,
             np.isin(body, setup.projectiles),
             float(snapshot["time"][0]) * 1e9,

@@ -10,7 +10,7 @@ from pydantic import Field
 from .block import Block
 from .cylinder import Cylinder
 from .overlap import box_gap, overlap
-from .shape import NOISE, Fit, Solid, Vector, require_size
+from .shape import NOISE, Array, Fit, Solid, Vector, require_size
 from .sphere import Sphere
 from .swarm import Swarm
 
@@ -18,6 +18,7 @@ Body = Annotated[Block | Sphere | Swarm | Cylinder, Field(discriminator="shape")
 
 __all__ = [
     "NOISE",
+    "Array",
     "Block",
     "Body",
     "Cylinder",

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import model_validator
 
 from ...base.geometry import Mirror
-from .shape import EVERYWHERE, Array, Box, Fit, Solid, Vector, require_size
+from .shape import EVERYWHERE, NOISE, Array, Box, Fit, Solid, Vector, require_size
 
 
 class Block(Solid):
@@ -93,6 +93,18 @@ class Block(Solid):
             if abs(self.box[mirror.above][mirror.axis] - mirror.at) <= tolerance:
                 sides[mirror.axis] *= 2
         return min(sides)
+
+    def turned(self) -> Solid:
+        """Return the disk with its upper x as radius. Raises ValueError unless the axis is its middle or its side."""
+        from .disk import Disk
+
+        low, high = self.lower[0], self.upper[0]
+        if high <= 0 or min(abs(low), abs(low + high)) > NOISE * self.spacing:
+            raise ValueError(
+                f"reaches from x = {low:g} m to {high:g} m, with grid.geometry 'axisymmetric' a block must reach as far to either "
+                "side of x = 0, or begin there: it becomes a disk"
+            )
+        return Disk(**dict(self))
 
     def _axes(self) -> list[Array]:
         """Return the coordinates of its points along x, y and z, m.

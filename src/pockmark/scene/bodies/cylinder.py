@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from ...base.geometry import Mirror
 from ...base.units import Length
 from .lattice import half_integers
-from .shape import EVERYWHERE, NOISE, Array, Box, Fit, Solid, Vector
+from .shape import EVERYWHERE, NOISE, NOT_ROUND, Array, Box, Fit, Solid, Vector
 
 STARTS = 5, 24, 9  # places across the wall, around and along it, from which an overlap is looked for
 
@@ -167,6 +167,12 @@ class Cylinder(Solid):
                 length *= 2
         across = (radial.number - self._inner) * radial.pitch if self.inner_radius else 2 * radial.length
         return min(across, length)
+
+    def turned(self) -> Self:
+        """Return the cylinder itself. Raises ValueError if its axis is another one than x = y = 0."""
+        if self.axis != "z" or max(map(abs, self.center[:2])) > NOISE * self.spacing:
+            raise ValueError(NOT_ROUND)
+        return self
 
     def is_halved_by(self, axis: int, at: float, tolerance: float) -> bool:
         """Return whether a plane across an axis goes through its middle, to a tolerance (m)."""

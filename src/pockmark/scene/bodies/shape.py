@@ -17,6 +17,7 @@ Array = NDArray[np.floating]
 Vector = tuple[Length, Length, Length]
 Box = Sequence[Sequence[float]]  # lower and upper corner, m
 NOISE = 1e-9  # spacings: by so much rounding may be off a whole number of them
+NOT_ROUND = "is not round about the axis x = y = 0, as grid.geometry 'axisymmetric' needs it"
 EVERYWHERE: Box = ((-math.inf,) * 3, (math.inf,) * 3)
 
 
@@ -174,6 +175,34 @@ class Solid(Model):
         The plane lies across an axis, at a coordinate (m) to a tolerance (m).
         """
         return False
+
+    @property
+    def rings_about(self) -> float:
+        """Return about how many rings it has in an axisymmetric scene; it may be infinite."""
+        return 2 * self.fits[0].number * self.fits[-1].number
+
+    def turned(self) -> "Solid":
+        """Return the body as an axisymmetric scene has it.
+
+        Raises ValueError if it is not round about the axis x = y = 0.
+        """
+        raise ValueError(NOT_ROUND)
+
+    def rings(self) -> Array:
+        """Return the positions (n, 3), m, of its points in an axisymmetric scene: r, 0 and z.
+
+        They are the row of its lattice that lies nearest to the plane y = 0.
+        """
+        row = self.lattice(((0.0, 0.0, -math.inf), (math.inf, self.fits[0].pitch, math.inf)))
+        return np.asarray(row * (1.0, 0.0, 1.0))
+
+    def ring_volumes(self, rings: Array) -> Array:
+        """Return the volumes (n,) of its rings, m^3: 2 pi r dr dz, of the whole circle.
+
+        They share its volume in proportion to that. Those of a `rounded` body are as they come.
+        """
+        volume = 2 * math.pi * rings[:, 0] * self.fits[0].pitch * self.fits[-1].pitch
+        return np.asarray(volume if self.rounded else volume * (self.written_volume / volume.sum()))
 
     def resolved(self, density: float) -> Self:
         """Return the body with what follows from its material's density, kg/m^3.

@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from ...base.units import Length
 from .balls import Balls
-from .shape import Fit, Vector
+from .shape import NOISE, NOT_ROUND, Fit, Vector
 
 
 class Sphere(Balls):
@@ -43,6 +43,12 @@ class Sphere(Balls):
     def written_radius(self) -> float:
         """Return its radius as it is written, m."""
         return self.radius
+
+    def turned(self) -> Self:
+        """Return the sphere itself. Raises ValueError if its centre is off the axis."""
+        if max(map(abs, self.center[:2])) > NOISE * self.spacing:
+            raise ValueError(NOT_ROUND)
+        return self
 
     def is_halved_by(self, axis: int, at: float, tolerance: float) -> bool:
         """Return whether a plane across an axis goes through its centre, to a tolerance (m)."""

@@ -1,0 +1,81 @@
+// What an axisymmetric grid adds to a slice of three dimensions (docs/theory.md, Axisymmetry). x is the
+// radius r, z the axis, y the hoop direction. The grid is one cell thick along y, between two mirrors, and
+// begins at r = 0 with a third. A point is a ring: its mass and volume are those of the full circle. Nothing
+// depends on y, so the slice itself has no strain along it; the hoop strain v_r/r comes from here, and so
+// does its transpose, the radial force of the hoop stress.
+//
+// In the stencil that begins at the axis v_r is linear in r, for it is odd: there v_r/r is its slope, and
+// nothing is divided by a radius that may be 0.
+#pragma once
+#include "interpolant.hpp"
+
+namespace pockmark {
+
+inline constexpr double full_turn = 6.283185307179586;  // rad
+
+// Returns the radius of a point `f` along x from the first node of its stencil, in cells.
+template <class T, class V>
+PM_HD V radius_in_cells(const GridGeometry<T>& grid, const Bundle& bundle, V f) {
+  return V(T(bundle.base[0] - grid.pad)) + f;
+}
+
+template <class Shape, class T>
+PM_HD bool begins_at_axis(const GridGeometry<T>& grid, const Bundle& bundle) {
+  return bundle.base[0] <= grid.pad - (Shape::support - 2);
+}
+
+// Returns v_r/r at a place in a bundle's stencil, in the unit of `slopes`, those of v; v per cell.
+template <class Shape, class T, class V>
+PM_HD V hoop_slope(const GridGeometry<T>& grid, const Bundle& bundle, const Interpolant<Shape, T>& v,
+                   const Vec3<V>& f, const V (&slopes)[3][3]) {
+  if (begins_at_axis<Shape>(grid, bundle)) return slopes[0][0];
+  return v.value(f).x / radius_in_cells(grid, bundle, f.x);
+}
+
+// Finds the weights along r with which the nodes' v_r make v_r/r at a point, in the unit of the stencil's
+// slopes; `per_length` is 1/cell in that unit.
+template <class Shape, class T>
+PM_HD void hoop_weights(const GridGeometry<T>& grid, const Bundle& bundle, const Stencil<Shape, T>& n, T f,
+                        T per_length, T (&out)[Shape::support]) {
+  const bool by_slope = begins_at_axis<Shape>(grid, bundle);
+  const T share = by_slope ? T(0) : per_length / radius_in_cells(grid, bundle, f);
+  for (int i = 0; i < Shape::support; ++i) out[i] = by_slope ? n.g[0][i] : share * n.w[0][i];
+}
+
+// Adds the radial forces of the hoop stress of a block, f_I = -sum_p N_I V_p sigma_p / r_p; push[1] is
+// -V sigma along y.
+template <class Shape, class T>
+void add_hoop_force(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                    const Columns<T, 6>& push, Force<T> force) {
+  for_each_bundle(block, [&](const Bundle& bundle) {
+    Patch<Shape, T> sum;
+    for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
+      const auto f = points.vector(Field::place, p);
+      const Stencil<Shape, T> n(f, grid.per_metre);
+      T along_r[Shape::support];
+      hoop_weights<Shape>(grid, bundle, n, f.x, grid.per_metre, along_r);
+      const T stress = push.load(1, p - block.begin);
+      sum.for_each(
+          [&](int i, int j, int k) { sum.at[i][j][k].v[0] += stress * along_r[i] * n.w[1][j] * n.w[2][k]; });
+    }
+    sum.add_to(grid, bundle, force);
+  });
+}
+
+// Returns the share that v_r at each corner of a cell has in v_r/r at the cell's centre, 1/m.
+template <class T>
+PM_HD T hoop_share_of_corner(const GridGeometry<T>& grid, std::size_t cell) {
+  int ijk[3];
+  grid.split(cell, ijk);
+  return T(0.125) * grid.per_metre / (T(ijk[0] - grid.pad) + T(0.5));
+}
+
+// Returns the length of the ring that a point is, m.
+template <class T>
+double circumference(const GridGeometry<T>& grid, const Points<T>& points, std::size_t p) {
+  int base[3];
+  grid.split(points.cell[p], base);
+  return full_turn * double(grid.cell) * (base[0] - grid.pad + double(points.at(Field::place)[p]));
+}
+
+}  // namespace pockmark
