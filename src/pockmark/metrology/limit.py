@@ -46,6 +46,11 @@ class Limit:
     slope: float = 0.0
     turns: bool = False
 
+    @property
+    def is_known(self) -> bool:
+        """Return whether the values tend to something."""
+        return self.kind != "unknown"
+
     def at(self, cells: Array) -> Array:
         """Return the fitted values on cells (n,), m."""
         return self.value + self.slope * cells ** (self.order or 0.0)
