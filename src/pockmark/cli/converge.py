@@ -70,6 +70,9 @@ def _print_plan(plan: Plan) -> None:
 
 def _print_found(plan: Plan, found: Sequence[Finding], title: str) -> None:
     """Print the table, then a sentence for each quantity, and what is missing."""
+    if not found:
+        CONSOLE.print("no measure has a value on any cell", style="yellow")
+        return
     CONSOLE.print(table_of(plan, found, title))
     for finding in found:
         for text in finding.missing:

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..base.errors import PockmarkError
 from ..base.lengths import in_metres
+from ..run.pipeline import require_cells_across
 from ..scene.forecast import Forecast, forecast
 from ..scene.scene import Scene
 from ..scene.warnings import is_too_coarse
@@ -54,8 +55,10 @@ def plan_of(
     """Return the levels for a scene: as fine as the budget allows (s), `most` of them at most.
 
     A normal impact of round bodies is computed as an axisymmetric one, unless `in_3d` forbids it. A level has fewer
-    than four cells across a projectile only if `coarse` allows it. Raises PockmarkError where not even two levels fit.
+    than four cells across a projectile only if `coarse` allows it. Raises PockmarkError where the scene's own level has
+    fewer, or not even two levels fit.
     """
+    require_cells_across(scene, coarse=coarse)
     why_3d = "--in-3d forbids it" if in_3d else why_not_axisymmetric(scene)
     ladder = _Ladder(scene if why_3d else axisymmetric(scene), threads)
     for number in range(most, FEWEST - 1, -1):
