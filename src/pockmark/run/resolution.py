@@ -36,7 +36,7 @@ def kind_of(scene: Scene) -> dict[str, Any] | None:
     if len(balls) != 1 or len(balls[0].places) != 1 or not scene.targets:
         return None
     wall = scene.body[scene.targets[0]]
-    numerics = scene.numerics.model_dump(exclude={"precision"})
+    numerics = scene.numerics.model_dump(exclude={"precision"}, exclude_none=True)
     return {
         "numerics": numerics,
         "friction": scene.contact.friction if scene.contact else "sticks",
