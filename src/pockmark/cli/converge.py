@@ -27,7 +27,7 @@ def converge(
     levels: Annotated[int, typer.Option(min=2, max=8, help="Cells at most, the scene's own included.")] = 4,
     budget: Annotated[
         str, typer.Option(metavar="TIME", help="What all runs may take together, by forecast.")
-    ] = "4 min",
+    ] = "3 min",
     in_3d: Annotated[bool, typer.Option("--in-3d", help="Compute in 3D what could be axisymmetric.")] = False,
     jobs: Annotated[int, typer.Option(min=1, max=256, help="Runs at a time; they share the cores.")] = 1,
     output: Annotated[

@@ -122,7 +122,7 @@ def sentence(finding: Finding) -> str:
 
 def order_told(limit: Limit) -> str:
     """Return in words by what order a limit is known."""
-    seen = f"{limit.observed:.2g}" if limit.observed is not None else ""
+    seen = f"{limit.observed:.3g}" if limit.observed is not None else ""
     turning = ", and the values rise and fall" if limit.turns else ""
     if limit.kind == "limited":
         allowed = f"{LEAST_ORDER:g} to {LARGEST_ORDER:g}"
