@@ -57,7 +57,7 @@ def converge(
 def _print_plan(plan: Plan) -> None:
     """Print what will be run."""
     how = f"in 3D ({plan.why_3d})" if plan.why_3d else "as an axisymmetric impact"
-    CONSOLE.print(literal(f"computed {how}, on cells about {plan.ratio:g} apart:"))
+    CONSOLE.print(literal(f"computed {how}, on cells at a ratio of about {plan.ratio:g}:"))
     for place, level in enumerate(plan.levels):
         expected = level.expected
         yours = " (your cell)" if place == plan.own else ""
