@@ -29,8 +29,8 @@ SMALL = (
     "body.target.upper=['24 um', '24 um', '0 um']",
     "output.snapshots='2 ns'",
 )
-# A run that has finished needs somewhere to go on to.
-ADDED = {"resume": ["--end-time", "8 ns"]}
+# A run that has finished needs somewhere to go on to; a study of cells is one of seconds.
+ADDED = {"resume": ["--end-time", "8 ns"], "converge": ["--budget", "1 s", "--levels", "2"]}
 
 
 def blocks(document):

@@ -1,4 +1,4 @@
-"""The command line: run, resume, check, measure, plot, bench, study. Each command has a file."""
+"""The command line: run, resume, check, measure, plot, bench, study, converge. Each command has a file."""
 
 import os
 import sys
@@ -9,7 +9,7 @@ import typer
 
 from .. import __version__
 from ..base.errors import PockmarkError, shown
-from . import bench, check, measure, plot, resume, run, study
+from . import bench, check, converge, measure, plot, resume, run, study
 from .common import MAX_PATH
 
 app = typer.Typer(
@@ -18,7 +18,10 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (run.run, resume.resume, check.check, measure.measure, plot.plot, bench.bench, study.study):
+for command in (
+    *(run.run, resume.resume, check.check, measure.measure, plot.plot, bench.bench, study.study),
+    converge.converge,
+):
     app.command()(command)
 
 

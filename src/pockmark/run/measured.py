@@ -16,6 +16,7 @@ from ..scene.warnings import lasting_warnings
 from ..view.report import standing
 from .doubts import doubts
 from .pipeline import treatments
+from .resolution import resolution_of
 from .setup import setup_of
 from .snapshot import Snapshot
 from .store import UNENDED, RunFolder
@@ -49,6 +50,7 @@ def measure_run(path: AnyPath) -> dict[str, Any]:
     if said is None:  # the run did not come to say them
         worst, when = worst_error(history) or (0.0, None)
         said = doubts(record.counters, worst if when is not None else 0.0, when or 0.0)
+    table["resolution"] = resolution_of(scene)
     table["doubts"], table["run"]["doubtful"] = [*said], bool(said)
     return dict(finite(table))
 

@@ -50,11 +50,7 @@ def run_scene(
     `threads` None takes every core; `force` replaces a run that is there; `progress` shows a bar. Raises
     PockmarkError, also where fewer than four cells lie across a projectile, unless `coarse` allows it.
     """
-    if is_too_coarse(scene) and not coarse:
-        raise PockmarkError(
-            f"grid.cell: {in_metres(scene.grid.cell)} puts {cells_across(scene):.3g} cells across the projectile, at least "
-            f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
-        )
+    require_cells_across(scene, coarse=coarse)
     with heard_between_steps() as stop_if_asked:
         RunFolder(path).require_free(force=force)  # told before millions of points are made
         simulation = Simulation(scene, threads)
@@ -62,6 +58,15 @@ def run_scene(
         folder = RunFolder.create(path, scene, force=force)
         status = _run_into(folder, simulation, stop_if_asked, progress=progress)
     return folder, status == "finished"
+
+
+def require_cells_across(scene: Scene, *, coarse: bool) -> None:
+    """Raise PockmarkError where fewer than four cells lie across a projectile, unless `coarse` allows it."""
+    if is_too_coarse(scene) and not coarse:
+        raise PockmarkError(
+            f"grid.cell: {in_metres(scene.grid.cell)} puts {cells_across(scene):.3g} cells across the projectile, at least "
+            f"{MIN_CELLS_ACROSS} are needed; --coarse (in Python coarse=True) runs it nevertheless"
+        )
 
 
 def resume_run(

@@ -86,7 +86,19 @@ def _crater(result: Results) -> Iterator[tuple[str, str]]:
 def _resolution(result: Results) -> Iterator[tuple[str, str]]:
     """Give the rows that say how far the measures can be trusted."""
     yield "+-", "of the measure on these points alone; the error of the cells' size is not in it"
-    yield "resolution", _shown(result["run"]["cells_across_projectile"], "{:.3g} cells across the projectile")
+    across = _shown(result["run"]["cells_across_projectile"], "{:.3g} cells across the projectile")
+    yield "resolution", f"{across}; {_cell_error(result['resolution'])}"
+
+
+def _cell_error(resolution: Results) -> str:
+    """Return by how much the cells' size puts the measures off, as far as that is known."""
+    names = {"depth": "C_p", "diameter": "D_c", "residual_internal": "E_i^r"}
+    known = {name: resolution[key] for key, name in names.items() if resolution[key] is not None}
+    if not known:
+        return "their error is unknown, for no converged study is of this kind (pockmark converge makes one)"
+    told = ", ".join(f"{name} {100 * error:.2g} %" for name, error in known.items())
+    studies = resolution["studies"]
+    return f"their error is about {told}, from {studies} converged stud{'ies' if studies > 1 else 'y'}"
 
 
 def _group(result: Results) -> Iterator[tuple[str, str]]:
