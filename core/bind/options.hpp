@@ -27,12 +27,15 @@ inline void bind_options(nb::module_& m) {
       .def(
           "__init__",
           [](Options* self, Scheme scheme, ShapeFunction shape, VolumetricStrain volumetric_strain,
-             double cfl, double strain_limit, double pic_fraction, int filter_interval, int filter_order, double pressure_filter, double mass_cutoff, bool sleep) {
-            new (self) Options{scheme,       shape,        volumetric_strain, cfl,
-                               strain_limit, pic_fraction, filter_interval, filter_order, pressure_filter, mass_cutoff, sleep};
+             double cfl, double strain_limit, double pic_fraction, double mass_cutoff, bool sleep,
+             int filter_interval, int filter_order, double pressure_filter) {
+            new (self)
+                Options{scheme,      shape, volumetric_strain, cfl,          strain_limit,   pic_fraction,
+                        mass_cutoff, sleep, filter_interval,   filter_order, pressure_filter};
           },
-          "scheme"_a, "shape"_a, "volumetric_strain"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a, "filter_interval"_a, "filter_order"_a, "pressure_filter"_a,
-          "mass_cutoff"_a, "sleep"_a);
+          "scheme"_a, "shape"_a, "volumetric_strain"_a, "cfl"_a, "strain_limit"_a, "pic_fraction"_a,
+          "mass_cutoff"_a, "sleep"_a, "filter_interval"_a = 0, "filter_order"_a = 0,
+          "pressure_filter"_a = 0.0);
 }
 
 }  // namespace pockmark::bind

@@ -12,10 +12,11 @@
 //   sum[c]      s       s       s       s             s       s       s       s
 //
 // w is the weight of a point at a node, and c what the point carries: momentum along x, y and z, and mass,
-// with a sum of its own for each (or other numbers in the momentum's place). All points of a bundle add to the same eight nodes. Were a lane a point,
-// lanes would write to one node at the same time. As it is, a lane writes to its own node alone, one point
-// after another, and the sums stay in registers until the bundle ends. Then they are turned, so that the four
-// numbers of a node lie side by side, and added to the nodes in memory:
+// with a sum of its own for each (or other numbers in the momentum's place). All points of a bundle add to
+// the same eight nodes. Were a lane a point, lanes would write to one node at the same time. As it is, a lane
+// writes to its own node alone, one point after another, and the sums stay in registers until the bundle
+// ends. Then they are turned, so that the four numbers of a node lie side by side, and added to the nodes in
+// memory:
 //
 //   sum[x]   x0 x1 x2 x3 ...               node 0   x0 y0 z0 m0
 //   sum[y]   y0 y1 y2 y3 ...       ->      node 1   x1 y1 z1 m1

@@ -2,7 +2,8 @@
 // points, S+ maps to the nodes by mass. What lies in the null space of S+ neither feels the grid nor is felt
 // by it, and stays for ever. Every few steps
 //   v -= (1 - S S+)^m v        loses the motion of that kind (XPIC, Hammerquist and Nairn 2017),
-//   J += share (p - S S+ p) J/(rho0 c_d^2)      lets such a pressure relax, as sound between the points would.
+//   J += share (p - S S+ p) J/(rho0 c_d^2)      lets such a pressure relax, as sound between the points
+//   would.
 // What either takes becomes heat, handed out as S S+ of the loss per mass, so that no point is cooled by it.
 // Points that have failed are free to fly: they neither give to the filter nor take from it.
 #pragma once
@@ -41,7 +42,8 @@ class Filter {
   void find_velocity(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
     clear(first);
     driver_.scatter([&](int, const Block& block) {
-      map(block, momentum_of(driver_.points()), first);
+      const auto v = [&](int a) { return driver_.points().at(Field::velocity, a) + block.begin; };
+      map(block, {v(0), v(1), v(2)}, first);
     });
     Velocity<T> term = to_grid(first, Mirrored::vector);
     const int order = options_.filter_order;
@@ -56,7 +58,7 @@ class Filter {
       driver_.scatter([&](int, const Block& block) {
         Columns<T, 3> at_points;
         gather(block, term, at_points);
-        map(block, at_points, next);
+        map(block, {at_points.at[0], at_points.at[1], at_points.at[2]}, next);
       });
       const Momentum<T> free{term.data};
       term = to_grid(next, Mirrored::vector);
@@ -71,7 +73,7 @@ class Filter {
     clear(unseen);
     driver_.scatter([&](int, const Block& block) {
       const auto& points = driver_.points();
-      Columns<T, 3> carried;
+      Columns<T, 2> carried;
       Columns<T, 3> seen;
       if (options_.filter_order > 0) gather(block, {velocity.data}, seen);
       for (std::size_t p = block.begin; p < block.end; ++p) {
@@ -85,19 +87,20 @@ class Filter {
         }
         carried.store(0, i, lost);
         carried.store(1, i, points.at(Field::pressure)[p]);
-        carried.store(2, i, T(0));
       }
-      map(block, carried, unseen);
+      map(block, {carried.at[0], carried.at[1], carried.at[0]}, unseen);
     });
     to_grid(unseen, Mirrored::magnitudes);
   }
-  // Adds the heat of the velocities, relaxes the unseen pressure, and maps the energy per mass that this took.
+  // Adds the heat of the velocities, relaxes the unseen pressure, and maps the energy per mass that this
+  // took.
   void relax(Momentum<T> unseen, Momentum<T> taken) {
     clear(taken);
     std::vector<double> heat(driver_.slots());
     driver_.scatter([&](int slot, const Block& block) {
       const auto& points = driver_.points();
-      Columns<T, 3> seen, carried;
+      Columns<T, 3> seen;
+      Columns<T, 1> carried;
       gather(block, {unseen.data}, seen);
       double sum = 0;
       for (std::size_t p = block.begin; p < block.end; ++p) {
@@ -107,19 +110,17 @@ class Filter {
           const auto& material = m_.model.materials[points.body[p]];
           const T c = material.dilatational_speed(), pressure = points.at(Field::pressure)[p];
           const T ratio = T(1) + points.at(Field::dilation)[p];
-          const T growth = T(options_.pressure_filter) * (pressure - seen.at[1][i]) * ratio /
-                           (material.density * c * c);
+          const T growth =
+              T(options_.pressure_filter) * (pressure - seen.at[1][i]) * ratio / (material.density * c * c);
           points.at(Field::dilation)[p] += growth;
           points.at(Field::energy)[p] += material.density * seen.at[0][i] - pressure * growth;
           lost = pressure * growth * material.specific_volume;
           sum += double(points.at(Field::mass)[p] * (seen.at[0][i] + lost));
         }
         carried.store(0, i, lost);
-        carried.store(1, i, T(0));
-        carried.store(2, i, T(0));
       }
       if (sum != 0) heat[slot] += sum;
-      map(block, carried, taken);
+      map(block, {carried.at[0], carried.at[0], carried.at[0]}, taken);
     });
     to_grid(taken, Mirrored::magnitudes);
     for (const double one : heat) m_.state.filtered += one;
@@ -148,17 +149,13 @@ class Filter {
       patch.load(grid_, bundle, nodes);
     });
   }
-  // Adds what the intact points of a block carry.
-  void map(const Block& block, Carried<T> carried, Momentum<T> nodes) const {
+  // Adds three numbers per mass of the intact points of a block to the nodes.
+  void map(const Block& block, const T* const (&per_mass)[3], Momentum<T> nodes) const {
     Columns<T, 1> mass;
     for (std::size_t p = block.begin; p < block.end; ++p)
       mass.store(0, p - block.begin, is_intact(p) ? driver_.points().at(Field::mass)[p] : T(0));
-    if (carried.first != block.begin)
-      for (auto& values : carried.per_mass) values += block.begin - carried.first;
-    driver_.template add_carried<Shape>(block, {mass.at[0], {carried.per_mass[0], carried.per_mass[1], carried.per_mass[2]}, block.begin}, nodes);
-  }
-  void map(const Block& block, const Columns<T, 3>& values, Momentum<T> nodes) const {
-    map(block, Carried<T>{nullptr, {values.at[0], values.at[1], values.at[2]}, block.begin}, nodes);
+    const Carried<T> carried{mass.at[0], {per_mass[0], per_mass[1], per_mass[2]}, block.begin};
+    driver_.template add_carried<Shape>(block, carried, nodes);
   }
   Velocity<T> to_grid(Momentum<T> nodes, Mirrored kind) const {
     const auto values = to_velocity(driver_, grid_, m_.model.faces, nodes, kind);

@@ -20,11 +20,11 @@ struct Options {
   double cfl;                          // dt <= cfl h / (|v| + c)
   double strain_limit;                 // dt <= strain_limit / |tr D|
   double pic_fraction;
-  int filter_interval;      // steps between two filters; 0: none
-  int filter_order;         // of the velocity filter; 0: none
-  double pressure_filter;   // share of the unseen pressure that relaxes; 0: none
-  double mass_cutoff;  // in units of the lightest rho0 h^3
-  bool sleep;          // points at rest are passed over
+  double mass_cutoff;      // in units of the lightest rho0 h^3
+  bool sleep;              // points at rest are passed over
+  int filter_interval;     // steps from one filtering to the next; 0: none (filter.hpp)
+  int filter_order;        // of the velocity's filter; 0: velocities stay
+  double pressure_filter;  // share of the unseen pressure that relaxes
 };
 
 template <class T>

@@ -16,9 +16,9 @@ TRILINEAR: Changes = {
 CELLS = {**TRILINEAR, "volumetric_strain": "cells"}
 PIC = {**TRILINEAR, "pic_fraction": 0.02}
 QUADRATIC = {**TRILINEAR, "shape_functions": "quadratic"}
-VELOCITY_FILTER: Changes = {"filter_interval": 20, "filter_order": 3, "pressure_filter": 0.0}
-PRESSURE_FILTER: Changes = {"filter_interval": 20, "filter_order": 0, "pressure_filter": 1.0}
-BOTH_FILTERS: Changes = {"filter_interval": 20, "filter_order": 3, "pressure_filter": 1.0}
+VELOCITY_FILTER: Changes = {"filter.interval": 20, "filter.order": 3, "filter.pressure": 0.0}
+PRESSURE_FILTER: Changes = {"filter.interval": 20, "filter.order": 0, "filter.pressure": 0.5}
+BOTH_FILTERS: Changes = {"filter.interval": 20, "filter.order": 3, "filter.pressure": 0.5}
 
 SCHEMES: dict[str, Changes] = {
     "paper": {**TRILINEAR, "scheme": "usf"},

@@ -70,8 +70,9 @@ def aluminium(failure=None):
 
 
 def options(
-    scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, strain_limit=0.2, volume="points"
+    scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, strain_limit=0.2, volume="points", filtering=(0, 0, 0.0)
 ):
+    """Return the core's options; `filtering` is a filter's interval, order and share of the pressure."""
     return core.Options(
         scheme=getattr(core.Scheme, scheme),
         shape=getattr(core.ShapeFunction, shape),
@@ -81,6 +82,9 @@ def options(
         pic_fraction=pic,
         mass_cutoff=cutoff,
         sleep=True,
+        filter_interval=filtering[0],
+        filter_order=filtering[1],
+        pressure_filter=filtering[2],
     )
 
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ..base.units import Number, Time, quantity
 from .model import Model
@@ -14,6 +14,24 @@ class Contact(Model):
     friction: Annotated[Number, Field(ge=0, le=10)]
 
 
+class Filter(Model):
+    """The filter of what the points have and the nodes cannot see: motion and pressure (docs/theory.md, Filters).
+
+    `interval` counts the steps from one filtering to the next. `order` is that of the velocity's filter, `pressure` the
+    share of the unseen pressure that relaxes each time; 0 leaves the one or the other alone.
+    """
+
+    interval: Annotated[int, Field(ge=1, le=10_000)] = 20
+    order: Annotated[int, Field(ge=0, le=16)] = 3
+    pressure: Annotated[Number, Field(ge=0, le=1)] = 0.5
+
+    @model_validator(mode="after")
+    def _acts(self) -> "Filter":
+        if self.order == 0 and self.pressure == 0:
+            raise ValueError("found order = 0 and pressure = 0, expected one of them above 0: this filter does nothing")
+        return self
+
+
 class Numerics(Model):
     """The numerical method. studies/README.md compares its variants."""
 
@@ -23,9 +41,7 @@ class Numerics(Model):
     cfl: Annotated[Number, Field(gt=0, le=1)] = 0.5
     strain_limit: Annotated[Number, Field(gt=0, le=1)] = 0.2
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] = 0.0
-    filter_interval: Annotated[int, Field(ge=0, le=10_000)] = 0
-    filter_order: Annotated[int, Field(ge=0, le=16)] = 3
-    pressure_filter: Annotated[Number, Field(ge=0, le=1)] = 0.5
+    filter: Filter | None = None
     mass_cutoff: Annotated[Number, Field(ge=0, le=1)] = 0.0
     precision: Literal["double", "single"] = "double"
 

@@ -232,10 +232,13 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     hashed = {key: value for key, value in table.items() if titled or key != "title"}
     if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
         hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
-    before = {"numerics": ("volumetric_strain", "points"), "grid": ("geometry", "3d")}
+    before = {
+        "numerics": (("volumetric_strain", "points"), ("filter", None)),
+        "grid": (("geometry", "3d"),),
+    }
     for name, known in before.items():
         if isinstance(part := hashed.get(name), Mapping):
-            hashed[name] = {key: value for key, value in part.items() if (key, value) != known}
+            hashed[name] = {key: value for key, value in part.items() if (key, value) not in known}
     return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
 
 
