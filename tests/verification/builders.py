@@ -70,7 +70,15 @@ def aluminium(failure=None):
 
 
 def options(
-    scheme="usavg", shape="trilinear", *, cfl=0.5, cutoff=0.0, pic=0.0, strain_limit=0.2, volume="points", filtering=(0, 0, 0.0)
+    scheme="usavg",
+    shape="trilinear",
+    *,
+    cfl=0.5,
+    cutoff=0.0,
+    pic=0.0,
+    strain_limit=0.2,
+    volume="points",
+    filtering=(0, 0, 0.0),
 ):
     """Return the core's options; `filtering` is a filter's interval, order and share of the pressure."""
     return core.Options(

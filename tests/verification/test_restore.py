@@ -24,6 +24,7 @@ RUNS = {
     "pic": ("numerics.pic_fraction=0.02",),
     "cut-off": ("numerics.scheme=usf", "numerics.mass_cutoff=0.01"),
     "leaving": LEAVING,
+    "filter": ("numerics.filter.interval=3", "contact.friction=0.3", "numerics.volumetric_strain=cells"),
     "axisymmetric": ("grid.geometry=axisymmetric", "impact.speed=12000"),
     "axisymmetric contact cells": (
         "grid.geometry=axisymmetric",

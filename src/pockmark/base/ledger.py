@@ -27,7 +27,17 @@ LEDGER = {
     "left_momentum_z": "momentum along z of the points that left, kg m/s",
 }
 # Keys in the order in which tables and pictures show them:
-SHARES = ("internal", "kinetic", "absorbed", "left_kinetic", "left_internal", "pic", "contact", "viscous", "filtered")
+SHARES = (
+    "internal",
+    "kinetic",
+    "absorbed",
+    "left_kinetic",
+    "left_internal",
+    "pic",
+    "contact",
+    "viscous",
+    "filtered",
+)
 DRAWN = ("kinetic", "internal", "absorbed")
 LEFT_ENERGIES = ("left_kinetic", "left_internal")
 LEFT_MOMENTUM = ("left_momentum_x", "left_momentum_y", "left_momentum_z")

@@ -28,7 +28,9 @@ class Filter(Model):
     @model_validator(mode="after")
     def _acts(self) -> "Filter":
         if self.order == 0 and self.pressure == 0:
-            raise ValueError("found order = 0 and pressure = 0, expected one of them above 0: this filter does nothing")
+            raise ValueError(
+                "found order = 0 and pressure = 0, expected one of them above 0: this filter does nothing"
+            )
         return self
 
 

@@ -1,0 +1,170 @@
+"""The filter of what the grid cannot see: what it takes, what it leaves, and where the energy goes."""
+
+from math import comb
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import C0, FREE, RHO, SHEAR, SYMMETRY, aluminium, lattice, options, solver
+from test_drivers import assert_same_bits
+from test_restore import copied
+
+from pockmark import PockmarkError, Scene
+from pockmark.run.bench import bench_scene
+from pockmark.run.simulation import Simulation
+
+H = 1e-6
+QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
+FILTER = ("numerics.filter.interval=5",)
+SHAPES = pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
+INSTANT = 1e-25  # s: a step in which nothing happens but the filter
+
+
+def still(x, v, *, filtering, shape="trilinear", faces=FREE, driver="cpu", **fields):
+    """Return a solver after two steps of no duration, the second with the filter before it, and its order of points."""
+    s = solver(
+        (0, 0, 0),
+        H,
+        (8, 8, 8),
+        [faces] * 6,
+        [aluminium()],
+        options(shape=shape, filtering=filtering),
+        [(x, v, (H / 2) ** 3, RHO, 0)],
+        driver=driver,
+    )
+    s.advance(1, INSTANT)
+    for name, values in fields.items():
+        s.set_field(name, values[s.field("id")])
+    s.advance(1, 2 * INSTANT)
+    assert s.cycle == 2
+    return s, np.argsort(s.field("id"))
+
+
+def weights(x, shape):
+    """Return S: the weight of each node of a grid of cells H, padded by two, at each point."""
+    support = 2 if shape == "trilinear" else 3
+    nodes = 13
+    out = np.zeros((len(x), nodes**3))
+    xi = x / H + 2
+    base = np.floor(xi - (0 if support == 2 else 0.5)).astype(int)
+    f = xi - base
+    axis = [1 - f, f] if support == 2 else [0.5 * (1.5 - f) ** 2, 0.75 - (f - 1) ** 2, 0.5 * (f - 0.5) ** 2]
+    for i in range(support):
+        for j in range(support):
+            for k in range(support):
+                node = ((base[:, 0] + i) * nodes + base[:, 1] + j) * nodes + base[:, 2] + k
+                out[np.arange(len(x)), node] += axis[i][:, 0] * axis[j][:, 1] * axis[k][:, 2]
+    return out
+
+
+@SHAPES
+@pytest.mark.parametrize("order", [1, 2, 3, 5])
+@pytest.mark.parametrize("driver", ["cpu", "plain"])
+def test_velocities_are_those_of_the_formula(shape, order, driver):
+    """v' = S sum_k c_k (S+ S)^(k-1) S+ v, with c_k of 1 - (1 - z)^m, by matrices; failed points take no part."""
+    rng = np.random.default_rng(order)
+    x = (2 + 4 * rng.random((150, 3))) * H
+    v = rng.normal(size=x.shape) * 100
+    damage = np.where(rng.random(len(x)) < 0.2, 1.0, 0.3)
+    s, by_id = still(x, v, filtering=(1, order, 0.0), shape=shape, driver=driver, damage=damage)
+    intact = damage < 1
+    to_points = weights(x, shape)[intact]
+    touched = to_points.sum(axis=0) > 0
+    to_points = to_points[:, touched]
+    to_nodes = to_points.T / to_points.sum(axis=0)[:, None]
+    term, want = v[intact], np.zeros_like(v[intact])
+    for k in range(1, order + 1):
+        term = to_points @ (to_nodes @ term)
+        want += (-1) ** (k + 1) * comb(order, k) * term
+    got = s.field("velocity")[by_id]
+    assert np.abs(got[intact] - want).max() < 1e-9 * np.abs(v).max()
+    assert np.abs(got[~intact] - v[~intact]).max() < 1e-12 * np.abs(v).max()
+    heat = (s.field("energy")[by_id] * (H / 2) ** 3)[intact]
+    per_mass = to_points @ (to_nodes @ (0.5 * (v[intact] ** 2 - want**2).sum(axis=1)))
+    assert heat == pytest.approx(per_mass * RHO * (H / 2) ** 3, rel=1e-9, abs=1e-12 * np.abs(heat).max())
+    ledger = s.ledger()
+    assert ledger["filtered"] == pytest.approx(heat.sum(), rel=1e-9)
+    assert abs(ledger["error"]) < 1e-13 * ledger["initial"]
+
+
+def test_unseen_pressure_relaxes_and_its_energy_stays_in_the_cells():
+    """Each point opens by the share of (p - S S+ p)/(rho0 c_d^2); the internal energy of all is what it was."""
+    rng = np.random.default_rng(7)
+    x = (2 + 4 * rng.random((150, 3))) * H
+    pressure = rng.normal(size=len(x)) * 1e8
+    s, by_id = still(x, (0.0, 0.0, 0.0), filtering=(1, 0, 0.5), pressure=pressure)
+    to_points = weights(x, "trilinear")
+    to_points = to_points[:, to_points.sum(axis=0) > 0]
+    seen = to_points @ ((to_points.T / to_points.sum(axis=0)[:, None]) @ pressure)
+    growth = 0.5 * (pressure - seen) / (RHO * C0**2 + 4 / 3 * SHEAR)
+    assert np.abs(growth).max() > 1e-5
+    got = s.field("volume")[by_id] / (H / 2) ** 3 - 1
+    assert np.abs(got - growth).max() < 1e-9 * np.abs(growth).max()
+    assert abs(s.ledger()["internal"]) < 1e-12 * s.ledger()["filtered"]
+    assert s.ledger()["filtered"] > 0
+
+
+@SHAPES
+def test_noise_that_no_node_sees_goes_at_once_and_becomes_heat(shape):
+    """Points of a cell, two an edge, that move by turns to and fro: order 1 leaves nothing of it away from surfaces."""
+    x = lattice((0, 0, 0), (16, 16, 16), H / 2)
+    sign = (-1.0) ** np.floor(x / (H / 2)).sum(axis=1)
+    v = 50 * sign[:, None] * np.array([1.0, 0.5, -0.3])
+    s, by_id = still(x, v, filtering=(1, 1, 0.0), shape=shape, faces=SYMMETRY)
+    inner = np.all(np.abs(x - 4 * H) < 2 * H, axis=1)
+    assert np.abs(s.field("velocity")[by_id][inner]).max() < 1e-9
+    heat = s.field("energy")[by_id][inner]
+    assert heat == pytest.approx(0.5 * RHO * (v**2).sum(axis=1)[inner], rel=1e-9)
+
+
+@SHAPES
+def test_a_body_in_uniform_motion_is_not_braked(shape):
+    x = lattice((2.3 * H, 2.3 * H, 2.3 * H), (5, 6, 7), H / 2)
+    v = np.broadcast_to((700.0, -300.0, 200.0), x.shape)
+    s, by_id = still(x, v, filtering=(1, 3, 0.5), shape=shape)
+    assert np.abs(s.field("velocity")[by_id] - v).max() < 1e-10
+    assert abs(s.ledger()["filtered"]) < 1e-13 * s.ledger()["kinetic"]
+
+
+@SHAPES
+@pytest.mark.parametrize("contact", [(), ("contact.friction=0.3",)], ids=["sticks", "contact"])
+def test_an_impact_closes_its_ledger_and_settles(shape, contact):
+    """With failure, transmitting faces and points that leave; less is left in motion than without the filter."""
+    sets = ("numerics.volumetric_strain=cells", f"numerics.shape_functions={shape}", *contact)
+    runs = [Simulation(bench_scene(20_000, (*sets, *more)), 2) for more in ((), FILTER)]
+    for run in runs:
+        run.advance(150e-9)
+    plain, filtered = (run.ledger() for run in runs)
+    print(
+        f"kinetic {plain['kinetic'] / plain['initial']:.3f} -> {filtered['kinetic'] / filtered['initial']:.3f}"
+    )
+    assert filtered["kinetic"] < 0.7 * plain["kinetic"]
+    assert filtered["filtered"] > 0.01 * filtered["initial"]
+    assert plain["filtered"] == 0
+    assert abs(filtered["error"]) < 1e-12 * filtered["initial"]
+
+
+def test_threads_sleep_and_a_restore_change_no_bit():
+    scene = bench_scene(20_000, (*FILTER, "impact.speed=4000"))
+    runs = [
+        Simulation(scene, threads, driver="cpu", sleep=sleep) for threads, sleep in ((1, False), (2, True))
+    ]
+    for run in runs:
+        run.advance(1.0, max_steps=33)
+    runs.append(Simulation(scene, 1, driver="cpu", parts=copied(runs[1].save())))
+    for run in runs:
+        run.advance(1.0, max_steps=30)
+        assert_same_bits(runs[0], run)
+
+
+def test_a_filter_that_does_nothing_is_refused():
+    with pytest.raises(PockmarkError, match=r"numerics\.filter.*order = 0 and pressure = 0"):
+        Scene.load(QUICK, ["numerics.filter.order=0", "numerics.filter.pressure=0"])
+    with pytest.raises(PockmarkError, match=r"numerics\.filter\.interval"):
+        Scene.load(QUICK, ["numerics.filter.interval=0"])
+
+
+def test_a_scene_without_a_filter_keeps_its_hash():
+    scene = Scene.load(QUICK)
+    assert "filter" not in scene.to_toml()
+    assert scene.hash != Scene.load(QUICK, ["numerics.filter.interval=20"]).hash
