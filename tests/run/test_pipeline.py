@@ -10,7 +10,9 @@ import pytest
 
 from pockmark import PockmarkError, Scene, Simulation, measure
 from pockmark.run.bench import bench_scene
-from pockmark.run.pipeline import run_scene
+from pockmark.run.pictures import plot_run
+from pockmark.run.pipeline import resume_run, run_scene
+from pockmark.run.setup import setup_of
 from pockmark.run.store import RunFolder, Snapshot
 from pockmark.scene.forecast import forecast
 
@@ -274,3 +276,29 @@ def test_snapshots_are_exactly_on_time(tmp_path):
     folder, _ = run_scene(scene, tmp_path / "run", threads=1, progress=False)
     times = [float(Snapshot(path)["time"][0]) for path in folder.snapshots()]
     assert times == [0.0, *(n * scene.output.snapshots for n in (1, 2, 3)), scene.end_time]
+
+
+def test_an_axisymmetric_run_is_measured_drawn_and_resumed(tmp_path):
+    scene = Scene.load(QUICK, ["grid.geometry=axisymmetric"])
+    folder, finished = run_scene(scene, tmp_path / "rings", threads=1, progress=False)
+    assert finished
+    result = measure(tmp_path / "rings")
+    crater, ejecta, run = result["crater"], result["ejecta"], result["run"]
+    assert crater["major_axis"] == crater["minor_axis"] == crater["diameter"]
+    assert (crater["bottom_x"], crater["e1"], crater["e2"], crater["uncertainty"]["e2"]) == (0, 0, 0, 0)
+    assert crater["depth"] == pytest.approx(15e-6, rel=0.1)
+    assert ejecta["left_momentum"][:2] == [0, 0]
+    assert run["points"] == forecast(scene, 1).points
+    mass = folder.history("mass")["mass"]  # of the whole impact, mirror images or not
+    assert mass[0] == pytest.approx(2770 * np.pi * (50e-6) ** 3 + setup_of(scene).projectile_mass)
+    plot_run(tmp_path / "rings", tmp_path)
+    assert (tmp_path / "crater.png").exists()
+    resume_run(tmp_path / "rings", end_time=80e-9, threads=1, progress=False)
+    at_once, _ = run_scene(
+        Scene.load(QUICK, ["grid.geometry=axisymmetric", "end_time='80 ns'"]),
+        tmp_path / "80",
+        threads=1,
+        progress=False,
+    )
+    last = [one.last_snapshot() for one in (folder, at_once)]
+    assert np.array_equal(*(snapshot["position"] for snapshot in last))

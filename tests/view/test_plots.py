@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pockmark.base.geometry import Setup
 from pockmark.metrology.crater import Crater
-from pockmark.view.plots import history_figure, process_figure, slice_figure
+from pockmark.view.plots import Cut, history_figure, process_figure, slice_figure
 
 UM = 1e-6
 H = 2.0 * UM  # point spacing
@@ -173,3 +173,20 @@ def test_no_pyplot_state_is_made(snapshot, history):
     draw(snapshot)
     history_figure(history)
     assert plt.get_fignums() == before
+
+
+def test_rings_are_drawn_on_both_sides_of_the_axis_as_wide_as_their_section():
+    r = np.array([1.0, 3.0, 7.0]) * UM
+    fields = {
+        "position": np.column_stack([r, 0 * r, -r]),
+        "volume": 2 * np.pi * r * H**2,
+        "body": np.array([TARGET, TARGET, PROJECTILE]),
+        "deviator": np.zeros((3, 6)),
+        "pressure": np.zeros(3),
+        "time": np.array([0.0]),
+    }
+    cut = Cut.of(fields, replace(SETUP, is_axisymmetric=True))
+    assert sorted(cut.x) == pytest.approx([-7, -3, -1, 1, 3, 7])
+    assert cut.z == pytest.approx(-np.abs(cut.x))
+    assert cut.width == pytest.approx(2)
+    assert list(cut.is_projectile) == [False, False, True] * 2
