@@ -72,7 +72,7 @@ struct Material {
   template <class P>
   PM_HD PlasticReturn<P> return_map(P trial, P plastic_strain, const Conditions<P>& conditions, T dt) const {
     return strength.visit(
-        [&](const auto& s) { return return_to_surface(s, trial, plastic_strain, conditions, dt); });
+        [&](const auto& s) { return return_to_yield_surface(s, trial, plastic_strain, conditions, dt); });
   }
   PM_HD bool linear_in_energy() const {
     return eos.visit([](const auto& e) { return e.linear_in_energy; });

@@ -108,17 +108,17 @@ inline NumPy<double> strength_at(const MaterialSpec& spec, Rows rows) {
     out[6] = material.shear(conditions);
     material.strength.visit([&]<class Law>(const Law& law) {
       if constexpr (YieldingLaw<Law, double>) {
-        const auto surface = law.surface(conditions);
-        const auto flow = surface.at(in[0], fast_log(max(in[1], 1e-300)));
+        const auto yield_surface = law.yield_surface(conditions);
+        const auto flow = yield_surface.at(in[0], fast_log(max(in[1], 1e-300)));
         out[0] = flow.stress;
         out[1] = flow.by_strain;
         out[2] = flow.by_strain2;
         out[3] = flow.by_rate;
         out[4] = flow.by_both;
         out[5] = law.least(conditions);
-        if constexpr (requires { surface.ceiling(); }) {
-          if (out[0] > surface.ceiling()) {
-            out[0] = surface.ceiling();
+        if constexpr (requires { yield_surface.ceiling(); }) {
+          if (out[0] > yield_surface.ceiling()) {
+            out[0] = yield_surface.ceiling();
             out[1] = out[2] = 0;
           }
         }

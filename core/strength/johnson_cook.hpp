@@ -43,7 +43,7 @@ struct JohnsonCook {
         homologous(T(given["room_temperature"]), T(given["melt_temperature"])) {}
 
   template <class V>
-  struct Surface {
+  struct YieldSurface {
     const JohnsonCook& law;
     V soft;  // 1 - T*^m
 
@@ -67,7 +67,7 @@ struct JohnsonCook {
     return A * softening(conditions.temperature);
   }
   template <class V>
-  PM_HD Surface<V> surface(const Conditions<V>& conditions) const {
+  PM_HD YieldSurface<V> yield_surface(const Conditions<V>& conditions) const {
     return {*this, softening(conditions.temperature)};
   }
 };

@@ -16,17 +16,17 @@ struct PlasticReturn {
 
 // Newton's method in x = ln d. There r is concave and falls, a kink at a reference rate included, so the
 // iteration comes down on the root from above and needs no bracket.
-template <class V, class Surface, class Modulus, bool has_rate>
+template <class V, class YieldSurface, class Modulus, bool has_rate>
 struct ReturnMap {
   using T = number_t<V>;
   using Mask = mask_t<V>;
-  const Surface& surface;
+  const YieldSurface& yield_surface;
   Modulus three_g;  // a number where the modulus is a constant
   T log_dt;
   T x_kink;  // the logarithm of the increment below which the rate does not count
 
   PM_HD PlasticReturn<V> operator()(V trial, V strain) const {
-    const V still = surface.at(strain, V(x_kink - log_dt)).stress;
+    const V still = yield_surface.at(strain, V(x_kink - log_dt)).stress;
     const auto yields = still < trial;
     if (!any(yields)) return {};
     const V excess = select(yields, trial - still, T(1e-6) * trial);
@@ -38,7 +38,7 @@ struct ReturnMap {
     auto open = yields;
     for (int iteration = 0; iteration < 60; ++iteration) {
       const V total = strain + d, share = d / total;
-      const auto flow = surface.at(total, x - log_dt);
+      const auto flow = yield_surface.at(total, x - log_dt);
       const V residual = trial - three_g * d - flow.stress;
       // Derivatives by x.
       const V hard1 = flow.by_strain * share, slope = three_g * d + hard1 + flow.by_rate;
@@ -72,7 +72,7 @@ struct ReturnMap {
   }
   // Returns the root for hardening at its old tangent.
   PM_HD V start(V strain, V excess, V most, V x_most) const {
-    const auto flow = surface.at(strain, max(x_most - T(1), V(x_kink + T(1e-3))) - log_dt);
+    const auto flow = yield_surface.at(strain, max(x_most - T(1), V(x_kink + T(1e-3))) - log_dt);
     const V tangent = three_g + select(most < strain, flow.by_strain / max(strain, most), V(0));
     if constexpr (has_rate)
       return logarithmic_start(excess, tangent, flow.by_rate);
@@ -98,23 +98,23 @@ struct ReturnMap {
 // Returns the plastic strain that takes a trial stress to the yield surface in dt. The conditions are those
 // at the start of the step.
 template <class Law, class V>
-PM_HD PlasticReturn<V> return_to_surface(const Law& law, V trial, V strain, const Conditions<V>& conditions,
-                                         number_t<V> dt) {
+PM_HD PlasticReturn<V> return_to_yield_surface(const Law& law, V trial, V strain,
+                                               const Conditions<V>& conditions, number_t<V> dt) {
   using T = number_t<V>;
   if constexpr (YieldingLaw<Law, V>) {
     const auto three_g = T(3) * shear_modulus_of(law, conditions);
-    const auto surface = law.surface(conditions);
+    const auto yield_surface = law.yield_surface(conditions);
     constexpr bool has_rate = RateLaw<Law>;
     T log_dt = T(0), x_kink = T(0);
     if constexpr (has_rate) {
       log_dt = fast_log(dt);
       x_kink = law.log_kink + log_dt;
     }
-    auto out = ReturnMap<V, decltype(surface), decltype(three_g), has_rate>{surface, three_g, log_dt, x_kink}(
-        trial, strain);
+    auto out = ReturnMap<V, decltype(yield_surface), decltype(three_g), has_rate>{
+        yield_surface, three_g, log_dt, x_kink}(trial, strain);
     // The lesser of two flow stresses is met by the greater of the two strains.
-    if constexpr (requires { surface.ceiling(); })
-      out.strain_increment = max(out.strain_increment, (trial - surface.ceiling()) / three_g);
+    if constexpr (requires { yield_surface.ceiling(); })
+      out.strain_increment = max(out.strain_increment, (trial - yield_surface.ceiling()) / three_g);
     return out;
   } else {
     return {};

@@ -51,7 +51,7 @@ struct SteinbergGuinan {
         least_(std::min(T(given["Y0"] * std::pow(1 + given["beta"] * given["e_i"], given["n"])), Y_max)) {}
 
   template <class V>
-  struct Surface {
+  struct YieldSurface {
     const SteinbergGuinan& law;
     V factor;  // g, and nothing where the material is molten
 
@@ -73,7 +73,7 @@ struct SteinbergGuinan {
     return least_ * solid_factor(at);
   }
   template <class V>
-  PM_HD Surface<V> surface(const Conditions<V>& at) const {
+  PM_HD YieldSurface<V> yield_surface(const Conditions<V>& at) const {
     return {*this, solid_factor(at)};
   }
 

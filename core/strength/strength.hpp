@@ -32,13 +32,13 @@ concept StrengthLaw = requires(const L law) {
 };
 
 // least(conditions): the least flow stress, whatever the strain and its rate; below it nothing yields.
-// surface(conditions): the yield surface there. Its at(strain, log_rate) gives a Flow whose stress times -1
-// is concave in the logarithm of the strain's increment; ceiling(), an optional member, bounds that stress
-// from above.
+// yield_surface(conditions): the yield surface there. Its at(strain, log_rate) gives a Flow whose stress
+// times -1 is concave in the logarithm of the strain's increment; ceiling(), an optional member, bounds that
+// stress from above.
 template <class L, class V>
 concept YieldingLaw = StrengthLaw<L, V> && requires(const L law, const Conditions<V> conditions, V strain) {
   { law.least(conditions) } -> std::same_as<V>;
-  { law.surface(conditions).at(strain, strain) } -> std::same_as<Flow<V>>;
+  { law.yield_surface(conditions).at(strain, strain) } -> std::same_as<Flow<V>>;
 };
 
 // A law that depends on the rate says from which on: log_kink, its logarithm.
