@@ -77,13 +77,18 @@ void find_cells(const GridGeometry<T>& grid, Velocity<T> velocity, Cells<T> cell
   const std::size_t last = grid.field_count * grid.node_count() - grid.index(1, 1, 1);
   const T scale = T(0.25) * grid.per_metre;
   for (std::size_t cell = begin; cell < end && cell < last; ++cell) {
-    const auto turn = cell_turn<Shape>(grid, cell);
     T sum = 0, is_whole = 1;
     for_each_corner(grid, cell, [&](std::size_t node, T x, T y, T z) {
       const auto& v = velocity[node].v;
-      sum += (x + turn.hoop) * v[0] + y * v[1] + (z + x * z * T(2) * turn.lean) * v[2];
+      sum += x * v[0] + y * v[1] + z * v[2];
       is_whole = has_mass(velocity, node) ? is_whole : T(0);
     });
+    if (grid.is_axisymmetric) {
+      const CellTurn<T> turn = cell_turn<Shape>(grid, cell);
+      for_each_corner(grid, cell, [&](std::size_t node, T x, T, T z) {
+        sum += turn.hoop * velocity[node].v[0] + x * z * turn.lean * velocity[node].v[2];
+      });
+    }
     cells[cell].v[cell_divergence] = scale * sum;
     cells[cell].v[cell_push] = T(0);
     cells[cell].v[cell_is_whole] = is_whole;
@@ -101,23 +106,21 @@ void add_cell_forces(const GridGeometry<T>& grid, Cells<T> cells, Force<T> force
     // The cell before the node along an axis has it on its far side.
     for_each_corner(grid, node, [&](std::size_t cell_and_back, T x, T y, T z) {
       if (cell_and_back < back) return;  // before the first cell
-      const std::size_t cell = cell_and_back - back;
-      const T push = cells[cell].v[cell_push];
-      const auto turn = cell_turn<Shape>(grid, cell);
-      sum[0] -= (x - turn.hoop) * push;
+      const T push = cells[cell_and_back - back].v[cell_push];
+      sum[0] -= x * push;
       sum[1] -= y * push;
-      sum[2] -= (z - x * z * T(2) * turn.lean) * push;
+      sum[2] -= z * push;
     });
+    if (grid.is_axisymmetric)
+      for_each_corner(grid, node, [&](std::size_t cell_and_back, T x, T, T z) {
+        if (cell_and_back < back) return;
+        const CellTurn<T> turn = cell_turn<Shape>(grid, cell_and_back - back);
+        const T push = cells[cell_and_back - back].v[cell_push];
+        sum[0] += turn.hoop * push;
+        sum[2] += x * z * turn.lean * push;
+      });
     for (int a = 0; a < 3; ++a) force[node].v[a] += scale * sum[a];
   }
-}
-
-// Finds the weights of the cells along x, of points at f in a bundle's stencil.
-template <class Shape, class T, class V>
-PM_HD void cell_weights_along_x(const GridGeometry<T>& grid, const Bundle& bundle, V f,
-                                V (&w)[CellStencil<Shape>::support]) {
-  CellStencil<Shape>::weights(f, w);
-  if (grid.is_axisymmetric) CellStencil<Shape>::turn(f, T(bundle.base[0] - grid.pad), w);
 }
 
 // The divergence that cells give to the points of a bundle. Of a cell with a node without mass, beside a
@@ -130,7 +133,7 @@ class CellPatch {
 
  public:
   PM_HD CellPatch(const GridGeometry<T>& grid, const Bundle& bundle, Cells<T> cells)
-      : grid_(grid), bundle_(bundle) {
+      : is_turned_(grid.is_axisymmetric), inner_(T(bundle.base[0] - grid.pad)) {
     if (has_own) own_ = cells[bundle.node].v[cell_divergence];
     for_each(grid, bundle, [&](std::size_t cell, int i, int j, int k) {
       const bool counts = !has_own || cells[cell].v[cell_is_whole] != T(0);
@@ -141,7 +144,8 @@ class CellPatch {
   template <class V>
   PM_HD V at(const Vec3<V>& f) const {
     V x[S], y[S], z[S];
-    cell_weights_along_x<Shape>(grid_, bundle_, f.x, x);
+    Weights::weights(f.x, x);
+    if (is_turned_) Weights::turn(f.x, inner_, x);
     Weights::weights(f.y, y);
     Weights::weights(f.z, z);
     V sum = V(own_);
@@ -167,9 +171,8 @@ class CellPatch {
   }
 
  private:
-  const GridGeometry<T>& grid_;
-  const Bundle& bundle_;
-  T own_ = 0;
+  bool is_turned_;  // on an axisymmetric grid
+  T inner_, own_ = 0;
   T beyond_own_[S][S][S];
 };
 
@@ -185,7 +188,8 @@ void add_cell_push(const Points<T>& points, const GridGeometry<T>& grid, const B
   for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
     const auto f = points.vector(Field::place, p);
     T x[S], y[S], z[S];
-    cell_weights_along_x<Shape>(grid, bundle, f.x, x);
+    Weights::weights(f.x, x);
+    if (grid.is_axisymmetric) Weights::turn(f.x, T(bundle.base[0] - grid.pad), x);
     Weights::weights(f.y, y);
     Weights::weights(f.z, z);
     const T push = mean[p - bundle.begin];

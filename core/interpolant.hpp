@@ -36,7 +36,7 @@ struct Patch {
   }
 };
 
-// A nodal vector quantity as a function of the place within one stencil.
+// A nodal vector quantity as a function of the place within one stencil, whose patch must outlive it.
 template <class Shape, class T>
 class Interpolant {
  public:
@@ -82,7 +82,7 @@ class Interpolant {
   }
 
  private:
-  Patch<Shape, T> nodes_;
+  const Patch<Shape, T>& nodes_;
 };
 
 // Trilinear: the polynomial 1, x, y, z, xy, yz, zx, xyz in the cell's own coordinates, 0 to 1.

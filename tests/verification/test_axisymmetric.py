@@ -509,8 +509,11 @@ def state_of(scene, path):
     ("shape", "volume"), [("trilinear", "points"), ("quadratic", "points"), ("trilinear", "cells")]
 )
 def test_the_crater_is_that_of_three_dimensions(shape, volume, tmp_path):
-    """The same cell, without failure, which depends on the last bit. The metrology reads clefts of stretched lattices, in
-    three dimensions of both directions, and so a little deeper: cells differ by 2.8 %, half of which is of the material."""
+    """The same cell, without failure, which depends on the last bit.
+
+    The material lies within .15 um (a thirtieth of a cell). C_p of points is read up to half a spacing deeper: their
+    lattice has clefts in two directions. By cells that makes 2.8 % here.
+    """
     sets = (f"numerics.shape_functions={shape}", f"numerics.volumetric_strain={volume}")
     (turned, rings_down), (whole, points_down) = (
         state_of(small(geometry, *sets), tmp_path / geometry) for geometry in ("axisymmetric", "3d")
@@ -530,5 +533,5 @@ def test_the_crater_is_that_of_three_dimensions(shape, volume, tmp_path):
     for name in ("residual_internal", "kinetic", "absorbed"):
         assert turned["energy"][name] == pytest.approx(whole["energy"][name], abs=0.01)
     for z, depth in rings_down.items():
-        assert depth == pytest.approx(points_down[z], abs=0.4)
+        assert depth == pytest.approx(points_down[z], abs=0.2)
     assert turned["ejecta"]["beta"] == pytest.approx(whole["ejecta"]["beta"], abs=0.02)
