@@ -12,6 +12,7 @@ TRILINEAR: Changes = {
     "shape_functions": "trilinear",
     "volumetric_strain": "points",
     "pic_fraction": 0.0,
+    "filter.interval": 0,
 }
 CELLS = {**TRILINEAR, "volumetric_strain": "cells"}
 PIC = {**TRILINEAR, "pic_fraction": 0.02}

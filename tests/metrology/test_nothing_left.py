@@ -18,6 +18,7 @@ from pockmark.metrology.results import crater_of, depth_change, filling_of
 from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.points import make_points
+from pockmark.run.resolution import resolution_of
 from pockmark.run.setup import setup_of
 from pockmark.run.store import RunFolder
 from pockmark.view.plots import HISTORY_COLUMNS, history_figure, slice_figure
@@ -76,7 +77,7 @@ def measured(snapshot, scene):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         table = measures(snapshot, setup_of(scene), LEDGER, RUN, {}, history)
-        table = dict(finite(table | {"doubts": []}))
+        table = dict(finite(table | {"doubts": [], "resolution": resolution_of(scene)}))
     json.loads(to_json(table))
     Console(quiet=True).print(report(table))
     return table

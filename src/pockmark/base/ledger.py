@@ -16,7 +16,7 @@ LEDGER = {
     "pic": "energy that the PIC share took, J",
     "contact": "energy that contact and its friction took, J",
     "initial": "kinetic and internal energy at the start, J",
-    "error": "sum of all energies but `viscous` and `plastic`, less `initial`, J",
+    "error": "sum of all energies but `viscous`, `plastic` and `filtered`, less `initial`, J",
     "mass": "mass of the points in the grid, kg",
     "left_mass": "mass of the points that left, kg",
     "momentum_x": "momentum along x of the points in the grid, kg m/s",

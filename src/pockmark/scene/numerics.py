@@ -17,17 +17,17 @@ class Contact(Model):
 class Filter(Model):
     """The filter of what the points have and the nodes cannot see: motion and pressure (docs/theory.md, Filters).
 
-    `interval` counts the steps from one filtering to the next. `order` is that of the velocity's filter, `pressure` the
-    share of the unseen pressure that relaxes each time; 0 leaves the one or the other alone.
+    `interval` counts the steps from one filtering to the next; 0 means none. `order` is that of the velocity's filter,
+    `pressure` the share of the unseen pressure that relaxes each time; 0 leaves the one or the other alone.
     """
 
-    interval: Annotated[int, Field(ge=1, le=10_000)] = 20
+    interval: Annotated[int, Field(ge=0, le=10_000)] = 0
     order: Annotated[int, Field(ge=0, le=16)] = 3
     pressure: Annotated[Number, Field(ge=0, le=1)] = 0.5
 
     @model_validator(mode="after")
     def _acts(self) -> "Filter":
-        if self.order == 0 and self.pressure == 0:
+        if self.interval > 0 and self.order == 0 and self.pressure == 0:
             raise ValueError(
                 "found order = 0 and pressure = 0, expected one of them above 0: this filter does nothing"
             )
@@ -43,7 +43,7 @@ class Numerics(Model):
     cfl: Annotated[Number, Field(gt=0, le=1)] = 0.5
     strain_limit: Annotated[Number, Field(gt=0, le=1)] = 0.2
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] = 0.0
-    filter: Filter | None = None
+    filter: Filter = Filter()
     mass_cutoff: Annotated[Number, Field(ge=0, le=1)] = 0.0
     precision: Literal["double", "single"] = "double"
 

@@ -21,7 +21,7 @@ from .grid import Boundary, Grid
 from .impact import Impact
 from .materials import Material, complete
 from .model import Model
-from .numerics import Contact, Numerics, Output
+from .numerics import Contact, Filter, Numerics, Output
 from .overrides import override
 from .rules import broken_rules
 from .sentences import faults
@@ -233,7 +233,7 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
         hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
     before = {
-        "numerics": (("volumetric_strain", "points"), ("filter", None)),
+        "numerics": (("volumetric_strain", "points"), ("filter", Filter().model_dump())),
         "grid": (("geometry", "3d"),),
     }
     for name, known in before.items():
