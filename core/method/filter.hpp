@@ -30,13 +30,23 @@ class Filter {
   void run() {
     const Momentum<T> first = m_.momentum(), second = m_.other_momentum(), sum{m_.force().data};
     if (options_.filter_order > 0) find_velocity(first, second, sum);
-    map_unseen(first, sum);
-    relax(first, second);
+    const T heat_share = map_unseen(first, sum);
+    relax(first, second, heat_share);
     heat(second);
     m_.state.is_mapped = false;
   }
 
  private:
+  // What the velocity filter took: the energy of the velocities that it took, and the kinetic energy lost.
+  struct Loss {
+    double taken = 0, kinetic = 0;
+    Loss& operator+=(const Loss& other) {
+      taken += other.taken;
+      kinetic += other.kinetic;
+      return *this;
+    }
+  };
+
   // Finds sum_k c_k (S+ S)^(k-1) S+ v in `sum`, of which S makes the filtered velocity: the binomial series
   // of 1 - (1 - S S+)^m is S times it.
   void find_velocity(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
@@ -68,33 +78,45 @@ class Filter {
       });
     }
   }
-  // Gives the points their velocity, and maps the energy per mass that this took, and their pressure.
-  void map_unseen(Momentum<T> unseen, Momentum<T> velocity) {
+  // Gives the points their velocity, and maps the energy per mass of what this took of it, and their
+  // pressure. Returns the kinetic energy that was lost, as a multiple of that energy: the loss of a single
+  // point depends on the frame, and may be a gain.
+  T map_unseen(Momentum<T> unseen, Momentum<T> velocity) {
     clear(unseen);
-    driver_.scatter([&](int, const Block& block) {
+    std::vector<Loss> losses(driver_.slots());
+    driver_.scatter([&](int slot, const Block& block) {
       const auto& points = driver_.points();
       Columns<T, 2> carried;
       Columns<T, 3> seen;
       if (options_.filter_order > 0) gather(block, {velocity.data}, seen);
+      Loss loss;
       for (std::size_t p = block.begin; p < block.end; ++p) {
         const std::size_t i = p - block.begin;
         const auto v = points.vector(Field::velocity, p);
-        T lost = 0;
+        T energy = 0;
         if (options_.filter_order > 0 && is_intact(p)) {
           const auto now = seen.template vector<T>(i);
-          lost = T(0.5) * (dot(v, v) - dot(now, now));
+          const auto taken = v - now;
+          energy = T(0.5) * dot(taken, taken);
+          const double mass = points.at(Field::mass)[p];
+          loss.taken += mass * energy;
+          loss.kinetic += mass * (energy + dot(taken, now));
           points.set_vector(Field::velocity, p, now);
         }
-        carried.store(0, i, lost);
+        carried.store(0, i, energy);
         carried.store(1, i, points.at(Field::pressure)[p]);
       }
+      if (loss.taken != 0) losses[slot] += loss;
       map(block, {carried.at[0], carried.at[1], carried.at[0]}, unseen);
     });
     to_grid(unseen, Mirrored::magnitudes);
+    Loss sum;
+    for (const Loss& one : losses) sum += one;
+    return sum.taken > 0 ? T(sum.kinetic / sum.taken) : T(0);
   }
   // Adds the heat of the velocities, relaxes the unseen pressure, and maps the energy per mass that this
   // took.
-  void relax(Momentum<T> unseen, Momentum<T> taken) {
+  void relax(Momentum<T> unseen, Momentum<T> taken, T heat_share) {
     clear(taken);
     std::vector<double> heat(driver_.slots());
     driver_.scatter([&](int slot, const Block& block) {
@@ -108,14 +130,17 @@ class Filter {
         T lost = 0;
         if (is_intact(p)) {
           const auto& material = m_.model.materials[points.body[p]];
-          const T c = material.dilatational_speed(), pressure = points.at(Field::pressure)[p];
+          const T stiffness =
+              material.density * material.dilatational_speed() * material.dilatational_speed();
+          const T pressure = points.at(Field::pressure)[p], unseen = pressure - seen.at[1][i];
           const T ratio = T(1) + points.at(Field::dilation)[p];
-          const T growth =
-              T(options_.pressure_filter) * (pressure - seen.at[1][i]) * ratio / (material.density * c * c);
+          const T growth = T(options_.pressure_filter) * unseen * ratio / stiffness;
+          // The pressure falls by the share of what is unseen: its mean does the work.
+          const T work = (pressure - T(0.5 * options_.pressure_filter) * unseen) * growth;
           points.at(Field::dilation)[p] += growth;
-          points.at(Field::energy)[p] += material.density * seen.at[0][i] - pressure * growth;
-          lost = pressure * growth * material.specific_volume;
-          sum += double(points.at(Field::mass)[p] * (seen.at[0][i] + lost));
+          points.at(Field::energy)[p] += material.density * heat_share * seen.at[0][i] - work;
+          lost = work * material.specific_volume;
+          sum += double(points.at(Field::mass)[p] * (heat_share * seen.at[0][i] + lost));
         }
         carried.store(0, i, lost);
       }
