@@ -6,21 +6,32 @@
 //   |----o-----|----o--p--|----o-----|     cells 1 and 2 and takes from both
 //
 #pragma once
+#include <algorithm>
+#include <cstring>
+
 #include "hoop.hpp"
 
 namespace pockmark {
 
-// The numbers of a cell: the divergence of the velocity at its centre (1/s), what points push it with (J /
-// Model::mass_unit), and whether all of its nodes have mass (1 or 0).
-inline constexpr int cell_divergence = 0, cell_push = 1, cell_is_whole = 2;
+// What the cells of the grid have, a number for each node: a column each in the memory of one nodal array.
+// Cells along z lie side by side, and four of them are read and written as one; behind the last there is
+// room.
+template <class T>
+struct Cells {
+  T* push;        // what points push the cell with, J / Model::mass_unit
+  T* divergence;  // of the velocity at the centre, 1/s
+  T* is_whole;    // 1 if all nodes of the cell have mass, or 0
 
-// Calls f(node, side along x, along y, along z) for the corners of a cell; a side is -1 or 1.
-template <class T, class F>
-PM_HD void for_each_corner(const GridGeometry<T>& grid, std::size_t cell, F&& f) {
-  for (int i = 0; i < 2; ++i)
-    for (int j = 0; j < 2; ++j)
-      for (int k = 0; k < 2; ++k) f(cell + grid.index(i, j, k), T(2 * i - 1), T(2 * j - 1), T(2 * k - 1));
-}
+  static Cells in(NodeField<T, Nodal::cell> array, std::size_t nodes) {
+    T* const first = reinterpret_cast<T*>(array.data) + nodes;
+    return {first, first + nodes, first + 2 * nodes};
+  }
+  // Gives a cell behind a mirror what its image has.
+  void mirror(std::size_t behind, std::size_t image) const {
+    divergence[behind] = divergence[image];
+    is_whole[behind] = is_whole[image];
+  }
+};
 
 // Which cells a point takes its divergence from, and their weights along an axis at a place f in its stencil.
 // With trilinear functions a point may lie on either side of its cell's centre, with quadratic ones it lies
@@ -70,45 +81,61 @@ struct CellStencil<Quadratic<T>> {
   }
 };
 
-// Finds the divergence at the centres of a line of cells, and takes what they were pushed with.
+// Finds the divergence at the centres of a line of cells, and takes what they were pushed with. A cell adds
+// up what the four nodes at its lower end along z and those at its upper end give.
 template <class Shape, class T>
-void find_cells(const GridGeometry<T>& grid, Velocity<T> velocity, Cells<T> cells, std::size_t begin,
+void find_cells(const GridGeometry<T>& grid, Velocity<T> velocity, const Cells<T>& cells, std::size_t begin,
                 std::size_t end) {
-  const std::size_t last = grid.field_count * grid.node_count() - grid.index(1, 1, 1);
-  const T scale = T(0.25) * grid.per_metre;
-  for (std::size_t cell = begin; cell < end && cell < last; ++cell) {
-    const auto turn = cell_turn<Shape>(grid, cell);
-    T sum = 0, is_whole = 1;
-    for_each_corner(grid, cell, [&](std::size_t node, T x, T y, T z) {
-      const auto& v = velocity[node].v;
-      sum += (x + turn.hoop) * v[0] + y * v[1] + (z + x * z * T(2) * turn.lean) * v[2];
-      is_whole = has_mass(velocity, node) ? is_whole : T(0);
-    });
-    cells[cell].v[cell_divergence] = scale * sum;
-    cells[cell].v[cell_push] = T(0);
-    cells[cell].v[cell_is_whole] = is_whole;
+  const std::size_t x = grid.index(1, 0, 0), y = grid.index(0, 1, 0);
+  end = std::min(end, grid.field_count * grid.node_count() - grid.index(1, 1, 1));
+  if (begin >= end) return;
+  const auto [hoop, lean] = cell_turn<Shape>(grid, begin);
+  const T inner = T(1) - hoop, outer = T(1) + hoop, inner_z = T(1) - T(2) * lean,
+          outer_z = T(1) + T(2) * lean, scale = T(0.25) * grid.per_metre;
+  struct Level {
+    T across, along, mass;
+  };
+  const auto level = [&](std::size_t node) PM_INLINE {
+    const auto &a = velocity[node].v, &b = velocity[node + y].v;
+    const auto &c = velocity[node + x].v, &d = velocity[node + x + y].v;
+    return Level{outer * (c[0] + d[0]) - inner * (a[0] + b[0]) + ((b[1] + d[1]) - (a[1] + c[1])),
+                 outer_z * (c[2] + d[2]) + inner_z * (a[2] + b[2]), min(min(a[3], b[3]), min(c[3], d[3]))};
+  };
+  Level lower = level(begin);
+  for (std::size_t cell = begin; cell < end; ++cell) {
+    const Level upper = level(cell + 1);
+    cells.divergence[cell] =
+        scale * ((lower.across + upper.across) + (upper.along - lower.along));
+    cells.is_whole[cell] = min(lower.mass, upper.mass) > least_mass<T> ? T(1) : T(0);
+    cells.push[cell] = T(0);
+    lower = upper;
   }
 }
 
 // Adds the forces of what pushes the cells to a line of nodes: the transpose of the divergence.
 template <class Shape, class T>
-void add_cell_forces(const GridGeometry<T>& grid, Cells<T> cells, Force<T> force, std::size_t begin,
+void add_cell_forces(const GridGeometry<T>& grid, const Cells<T>& cells, Force<T> force, std::size_t begin,
                      std::size_t end) {
-  const std::size_t back = grid.index(1, 1, 1);
-  const T scale = T(0.25) * grid.per_metre;
+  const std::size_t x = grid.index(1, 0, 0), y = grid.index(0, 1, 0), back = grid.index(1, 1, 1);
+  const auto in = begin < x ? CellTurn<T>{} : cell_turn<Shape>(grid, begin - x),
+             out = cell_turn<Shape>(grid, begin);
+  const T inner = T(1) + in.hoop, outer = T(1) - out.hoop, inner_z = T(1) + T(2) * in.lean,
+          outer_z = T(1) - T(2) * out.lean, scale = T(0.25) * grid.per_metre;
+  struct Level {
+    T x, y, z;
+  };
+  // What the four cells whose upper end along z is at a node give it.
+  const auto level = [&](std::size_t node) PM_INLINE {
+    const T* const push = cells.push + node - back;
+    const T a = push[0], b = push[y], c = push[x], d = push[x + y];
+    return Level{inner * (a + b) - outer * (c + d), (a + c) - (b + d), inner_z * (a + b) + outer_z * (c + d)};
+  };
+  Level lower = level(begin);
   for (std::size_t node = begin; node < end; ++node) {
-    T sum[3]{};
-    // The cell before the node along an axis has it on its far side.
-    for_each_corner(grid, node, [&](std::size_t cell_and_back, T x, T y, T z) {
-      if (cell_and_back < back) return;  // before the first cell
-      const std::size_t cell = cell_and_back - back;
-      const T push = cells[cell].v[cell_push];
-      const auto turn = cell_turn<Shape>(grid, cell);
-      sum[0] -= (x - turn.hoop) * push;
-      sum[1] -= y * push;
-      sum[2] -= (z - x * z * T(2) * turn.lean) * push;
-    });
+    const Level upper = level(node + 1);
+    const T sum[3] = {lower.x + upper.x, lower.y + upper.y, lower.z - upper.z};
     for (int a = 0; a < 3; ++a) force[node].v[a] += scale * sum[a];
+    lower = upper;
   }
 }
 
@@ -120,6 +147,19 @@ PM_HD void cell_weights_along_x(const GridGeometry<T>& grid, const Bundle& bundl
   if (grid.is_axisymmetric) CellStencil<Shape>::turn(f, T(bundle.base[0] - grid.pad), w);
 }
 
+// Returns the cells around a bundle from their first one on.
+template <class Shape, class T>
+PM_HD std::size_t first_cell(const GridGeometry<T>& grid, const Bundle& bundle) {
+  return bundle.node - (CellStencil<Shape>::first < 0 ? grid.index(1, 1, 1) : 0);
+}
+// Four cells side by side along z.
+template <class T>
+PM_HD Four<T> four_from(const T* at) {
+  Four<T> out;
+  std::memcpy(&out, at, sizeof(out));
+  return out;
+}
+
 // The divergence that cells give to the points of a bundle. Of a cell with a node without mass, beside a
 // surface, nothing is known: trilinear functions take that of the points' own cell in its place.
 template <class Shape, class T>
@@ -129,13 +169,16 @@ class CellPatch {
   static constexpr bool has_own = S == 3;
 
  public:
-  PM_HD CellPatch(const GridGeometry<T>& grid, const Bundle& bundle, Cells<T> cells)
+  PM_HD CellPatch(const GridGeometry<T>& grid, const Bundle& bundle, const Cells<T>& cells)
       : grid_(grid), bundle_(bundle) {
-    if (has_own) own_ = cells[bundle.node].v[cell_divergence];
-    for_each(grid, bundle, [&](std::size_t cell, int i, int j, int k) {
-      const bool counts = !has_own || cells[cell].v[cell_is_whole] != T(0);
-      beyond_own_[i][j][k] = counts ? cells[cell].v[cell_divergence] - own_ : T(0);
-    });
+    if (has_own) own_ = cells.divergence[bundle.node];
+    const std::size_t first = first_cell<Shape>(grid, bundle);
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j) {
+        const std::size_t row = first + grid.index(i, j, 0);
+        beyond_own_[i][j].v = four_from(cells.divergence + row);
+        if (has_own) beyond_own_[i][j].v = four_from(cells.is_whole + row) * (beyond_own_[i][j].v - own_);
+      }
   }
 
   template <class V>
@@ -149,7 +192,7 @@ class CellPatch {
       V plane = V(T(0));
       for (int j = 0; j < S; ++j) {
         V line = V(T(0));
-        for (int k = 0; k < S; ++k) line += z[k] * V(beyond_own_[i][j][k]);
+        for (int k = 0; k < S; ++k) line += z[k] * V(beyond_own_[i][j].v[k]);
         plane += y[j] * line;
       }
       sum += x[i] * plane;
@@ -157,27 +200,18 @@ class CellPatch {
     return sum;
   }
 
-  // f(cell, i, j, k) for the cells around a bundle.
-  template <class F>
-  PM_HD static void for_each(const GridGeometry<T>& grid, const Bundle& bundle, F&& f) {
-    const std::size_t start = bundle.node - (has_own ? grid.index(1, 1, 1) : 0);
-    for (int i = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j)
-        for (int k = 0; k < S; ++k) f(start + grid.index(i, j, k), i, j, k);
-  }
-
  private:
   const GridGeometry<T>& grid_;
   const Bundle& bundle_;
   T own_ = 0;
-  T beyond_own_[S][S][S];
+  Quad<T> beyond_own_[S][S];  // along z
 };
 
 // Pushes the cells around a bundle with the mean stress of its points: mean[i] is a third of the trace of
 // what point i pushes with.
 template <class Shape, class T>
 void add_cell_push(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, const T* mean,
-                   Cells<T> cells) {
+                   const Cells<T>& cells) {
   using Weights = CellStencil<Shape>;
   constexpr int S = Weights::support;
   Quad<T> sum[S][S];  // along z
@@ -192,16 +226,23 @@ void add_cell_push(const Points<T>& points, const GridGeometry<T>& grid, const B
     Quad<T> line;
     for (int k = 0; k < S; ++k) line.v[k] = push * z[k];
     total += push;
-    for (int i = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j) add_scaled(sum[i][j], x[i] * y[j], line);
+    for (int j = 0; j < S; ++j) {
+      Quad<T> row;
+      add_scaled(row, y[j], line);
+      for (int i = 0; i < S; ++i) add_scaled(sum[i][j], x[i], row);
+    }
   }
-  T shared = 0;  // with other cells
-  CellPatch<Shape, T>::for_each(grid, bundle, [&](std::size_t cell, int i, int j, int k) {
-    if (S == 3 && (cell == bundle.node || cells[cell].v[cell_is_whole] == T(0))) return;
-    cells[cell].v[cell_push] += sum[i][j].v[k];
-    shared += sum[i][j].v[k];
-  });
-  if (S == 3) cells[bundle.node].v[cell_push] += total - shared;
+  Quad<T> given;
+  const std::size_t first = first_cell<Shape>(grid, bundle);
+  for (int i = 0; i < S; ++i)
+    for (int j = 0; j < S; ++j) {
+      const std::size_t row = first + grid.index(i, j, 0);
+      if (S == 3) sum[i][j].v = four_from(cells.is_whole + row) * sum[i][j].v;
+      given += sum[i][j];
+      sum[i][j].v += four_from(cells.push + row);
+      std::memcpy(cells.push + row, &sum[i][j].v, sizeof(sum[i][j].v));
+    }
+  if (S == 3) cells.push[bundle.node] += total - (given.v[0] + given.v[1] + given.v[2]);
 }
 
 // Takes the mean stress of what the points of a block push with out of it.

@@ -84,8 +84,6 @@ using Force = NodeField<T, Nodal::force>;
 template <class T>
 using Damping = NodeField<T, Nodal::damping>;
 template <class T>
-using Cells = NodeField<T, Nodal::cell>;
-template <class T>
 using Surface = NodeField<T, Nodal::surface>;
 
 template <class T>

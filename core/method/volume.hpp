@@ -27,7 +27,7 @@ class Volume {
       find_cells<Shape>(grid_, velocity, cells_, begin, end);
     });
     for_each_mirrored_cell(driver_, grid_, faces_,
-                           [&](std::size_t image, std::size_t cell) { cells_[image] = cells_[cell]; });
+                           [&](std::size_t image, std::size_t cell) { cells_.mirror(image, cell); });
   }
   // Finds how a nodal velocity, of which find() knows, strains the points of a block.
   void gather(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains) const {
@@ -51,8 +51,8 @@ class Volume {
   void add_to(Force<T> force) {
     if (!by_cells_) return;
     for_each_mirrored_cell(driver_, grid_, faces_, [&](std::size_t image, std::size_t cell) {
-      cells_[cell].v[cell_push] += cells_[image].v[cell_push];
-      cells_[image].v[cell_push] = T(0);
+      cells_.push[cell] += cells_.push[image];
+      cells_.push[image] = T(0);
     });
     driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
       add_cell_forces<Shape>(grid_, cells_, force, begin, end);
