@@ -7,6 +7,7 @@
 //
 #pragma once
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 
 #include "hoop.hpp"
@@ -14,17 +15,17 @@
 namespace pockmark {
 
 // What the cells of the grid have, a number for each node: a column each in the memory of one nodal array.
-// Cells along z lie side by side, and four of them are read and written as one; behind the last there is
-// room.
+// Cells along z lie side by side. Where four are read or written as one, the last may be of no cell.
 template <class T>
 struct Cells {
-  T* push;        // what points push the cell with, J / Model::mass_unit
-  T* divergence;  // of the velocity at the centre, 1/s
-  T* is_whole;    // 1 if all nodes of the cell have mass, or 0
+  T* push;                 // what points push the cell with, J / Model::mass_unit
+  T* divergence;           // of the velocity at the centre, 1/s
+  std::uint8_t* is_whole;  // 1 if all nodes of the cell have mass, or 0
 
+  // The first of the four columns stays zero: a node at the edge finds nothing in front of the first cell.
   static Cells in(NodeField<T, Nodal::cell> array, std::size_t nodes) {
-    T* const first = reinterpret_cast<T*>(array.data) + nodes;
-    return {first, first + nodes, first + 2 * nodes};
+    T* const first = reinterpret_cast<T*>(array.data);
+    return {first + nodes, first + 2 * nodes, reinterpret_cast<std::uint8_t*>(first + 3 * nodes)};
   }
   // Gives a cell behind a mirror what its image has.
   void mirror(std::size_t behind, std::size_t image) const {
@@ -106,7 +107,7 @@ void find_cells(const GridGeometry<T>& grid, Velocity<T> velocity, const Cells<T
     const Level upper = level(cell + 1);
     cells.divergence[cell] =
         scale * ((lower.across + upper.across) + (upper.along - lower.along));
-    cells.is_whole[cell] = min(lower.mass, upper.mass) > least_mass<T> ? T(1) : T(0);
+    cells.is_whole[cell] = min(lower.mass, upper.mass) > least_mass<T>;
     cells.push[cell] = T(0);
     lower = upper;
   }
@@ -139,146 +140,178 @@ void add_cell_forces(const GridGeometry<T>& grid, const Cells<T>& cells, Force<T
   }
 }
 
-// Finds the weights of the cells along x, of points at f in a bundle's stencil.
-template <class Shape, class T, class V>
-PM_HD void cell_weights_along_x(const GridGeometry<T>& grid, const Bundle& bundle, V f,
-                                V (&w)[CellStencil<Shape>::support]) {
-  CellStencil<Shape>::weights(f, w);
-  if (grid.is_axisymmetric) CellStencil<Shape>::turn(f, T(bundle.base[0] - grid.pad), w);
-}
-
-// Returns the cells around a bundle from their first one on.
+// The weights of the cells along x, y and z for the points of a block, a column each.
 template <class Shape, class T>
-PM_HD std::size_t first_cell(const GridGeometry<T>& grid, const Bundle& bundle) {
-  return bundle.node - (CellStencil<Shape>::first < 0 ? grid.index(1, 1, 1) : 0);
-}
-// Four cells side by side along z.
-template <class T>
-PM_HD Four<T> four_from(const T* at) {
-  Four<T> out;
-  std::memcpy(&out, at, sizeof(out));
-  return out;
+using CellWeights = Columns<T, 3 * CellStencil<Shape>::support>;
+
+template <class Shape, class V, class T = number_t<V>>
+void find_cell_weights(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                       CellWeights<Shape, T>& out) {
+  using Cell = CellStencil<Shape>;
+  constexpr int S = Cell::support;
+  for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+    const auto f = points.template vector<V>(Field::place, p, n);
+    for (int a = 0; a < 3; ++a) {
+      V w[S];
+      Cell::weights(f[a], w);
+      for (int i = 0; i < S; ++i) out.store(S * a + i, p - block.begin, w[i]);
+    }
+  });
+  if (!grid.is_axisymmetric) return;
+  for_each_bundle(block, [&](const Bundle& bundle) {
+    for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
+      T w[S];
+      for (int i = 0; i < S; ++i) w[i] = out.load(i, p - block.begin);
+      Cell::turn(points.at(Field::place)[p], T(bundle.base[0] - grid.pad), w);
+      for (int i = 0; i < S; ++i) out.store(i, p - block.begin, w[i]);
+    }
+  });
 }
 
-// The divergence that cells give to the points of a bundle. Of a cell with a node without mass, beside a
-// surface, nothing is known: trilinear functions take that of the points' own cell in its place.
+// The cells around a bundle: S along each axis, rows along z.
 template <class Shape, class T>
-class CellPatch {
-  using Weights = CellStencil<Shape>;
-  static constexpr int S = Weights::support;
-  static constexpr bool has_own = S == 3;
+struct CellsAround {
+  static constexpr int S = CellStencil<Shape>::support;
+  // With trilinear functions only whole cells count: of one with a node without mass, beside a surface,
+  // nothing is known, and the points' own cell stands in for it.
+  static constexpr bool whole_only = S == 3;
+  std::size_t row[S][S], own;  // the first cell of each row, the cell of the points
 
- public:
-  PM_HD CellPatch(const GridGeometry<T>& grid, const Bundle& bundle, const Cells<T>& cells)
-      : grid_(grid), bundle_(bundle) {
-    if (has_own) own_ = cells.divergence[bundle.node];
-    const std::size_t first = first_cell<Shape>(grid, bundle);
+  PM_HD CellsAround(const GridGeometry<T>& grid, const Bundle& bundle) : own(bundle.node) {
+    const std::size_t x = grid.index(1, 0, 0), y = grid.index(0, 1, 0);
+    const std::size_t first = own - (whole_only ? x + y + 1 : 0);
     for (int i = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j) {
-        const std::size_t row = first + grid.index(i, j, 0);
-        beyond_own_[i][j].v = four_from(cells.divergence + row);
-        if (has_own) beyond_own_[i][j].v = four_from(cells.is_whole + row) * (beyond_own_[i][j].v - own_);
-      }
+      for (int j = 0; j < S; ++j) row[i][j] = first + i * x + j * y;
   }
-
-  template <class V>
-  PM_HD V at(const Vec3<V>& f) const {
-    V x[S], y[S], z[S];
-    cell_weights_along_x<Shape>(grid_, bundle_, f.x, x);
-    Weights::weights(f.y, y);
-    Weights::weights(f.z, z);
-    V sum = V(own_);
-    for (int i = 0; i < S; ++i) {
-      V plane = V(T(0));
-      for (int j = 0; j < S; ++j) {
-        V line = V(T(0));
-        for (int k = 0; k < S; ++k) line += z[k] * V(beyond_own_[i][j].v[k]);
-        plane += y[j] * line;
-      }
-      sum += x[i] * plane;
+  PM_HD bool all_count(const Cells<T>& cells) const {
+    if (!whole_only) return true;
+    constexpr std::uint8_t three[4]{1, 1, 1, 0};
+    std::uint32_t all, four;
+    std::memcpy(&all, three, sizeof(all));
+    const std::uint32_t whole = all;
+    for (int n = 0; n < S * S; ++n) {
+      std::memcpy(&four, cells.is_whole + row[n / S][n % S], sizeof(four));
+      all &= four;
     }
-    return sum;
+    return all == whole;
   }
-
- private:
-  const GridGeometry<T>& grid_;
-  const Bundle& bundle_;
-  T own_ = 0;
-  Quad<T> beyond_own_[S][S];  // along z
+  // Calls f(cell that counts, i, j, k) for each of them; that may be the points' own.
+  template <class F>
+  PM_HD void for_each_counting(const Cells<T>& cells, F&& f) const {
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j)
+        for (int k = 0; k < S; ++k) f(cells.is_whole[row[i][j] + k] ? row[i][j] + k : own, i, j, k);
+  }
 };
 
-// Pushes the cells around a bundle with the mean stress of its points: mean[i] is a third of the trace of
-// what point i pushes with.
-template <class Shape, class T>
-void add_cell_push(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, const T* mean,
-                   const Cells<T>& cells) {
-  using Weights = CellStencil<Shape>;
-  constexpr int S = Weights::support;
-  Quad<T> sum[S][S];  // along z
-  T total = 0;
-  for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
-    const auto f = points.vector(Field::place, p);
-    T x[S], y[S], z[S];
-    cell_weights_along_x<Shape>(grid, bundle, f.x, x);
-    Weights::weights(f.y, y);
-    Weights::weights(f.z, z);
-    const T push = mean[p - bundle.begin];
-    Quad<T> line;
-    for (int k = 0; k < S; ++k) line.v[k] = push * z[k];
-    total += push;
-    for (int j = 0; j < S; ++j) {
-      Quad<T> row;
-      add_scaled(row, y[j], line);
-      for (int i = 0; i < S; ++i) add_scaled(sum[i][j], x[i], row);
-    }
-  }
-  Quad<T> given;
-  const std::size_t first = first_cell<Shape>(grid, bundle);
-  for (int i = 0; i < S; ++i)
-    for (int j = 0; j < S; ++j) {
-      const std::size_t row = first + grid.index(i, j, 0);
-      if (S == 3) sum[i][j].v = four_from(cells.is_whole + row) * sum[i][j].v;
-      given += sum[i][j];
-      sum[i][j].v += four_from(cells.push + row);
-      std::memcpy(cells.push + row, &sum[i][j].v, sizeof(sum[i][j].v));
-    }
-  if (S == 3) cells.push[bundle.node] += total - (given.v[0] + given.v[1] + given.v[2]);
+// Finds the divergence of the cells that count around a bundle.
+template <class Shape, class T, int S>
+PM_NOINLINE void find_counting(const CellsAround<Shape, T>& around, const Cells<T>& cells, T (&out)[S][S][S]) {
+  around.for_each_counting(
+      cells, [&](std::size_t cell, int i, int j, int k) { out[i][j][k] = cells.divergence[cell]; });
+}
+// Pushes the cells that count around a bundle.
+template <class Shape, class T, int S>
+PM_NOINLINE void push_counting(const CellsAround<Shape, T>& around, const Cells<T>& cells,
+                               const Quad<T> (&push)[S][S]) {
+  around.for_each_counting(
+      cells, [&](std::size_t cell, int i, int j, int k) { cells.push[cell] += push[i][j].v[k]; });
 }
 
-// Takes the mean stress of what the points of a block push with out of it.
+// Adds to four numbers in memory, which need not lie where a register would.
 template <class T>
-void take_mean(Columns<T, 6>& push, std::size_t count, T (&mean)[Block::most]) {
-  for (std::size_t i = 0; i < count; ++i) {
-    mean[i] = T(1.0 / 3.0) * (push.at[0][i] + push.at[1][i] + push.at[2][i]);
-    for (int a = 0; a < 3; ++a) push.at[a][i] -= mean[i];
-  }
+PM_HD void add_four(T* at, const Quad<T>& more) {
+  Four<T> sum;
+  std::memcpy(&sum, at, sizeof(sum));
+  sum += more.v;
+  std::memcpy(at, &sum, sizeof(sum));
 }
 
-// Where gather_strain takes the trace of a strain from: the points' own gradient, or the cells.
-struct OwnVolume {
-  struct Part {
-    template <class V>
-    PM_HD void replace_trace(Sym3<V>&, const Vec3<V>&) const {}
-  };
-  PM_HD Part of(const Bundle&) const { return {}; }
-};
-template <class Shape, class T>
-struct CellVolume {
-  struct Part {
-    CellPatch<Shape, T> divergence;
-    T dt;
-    template <class V>
-    PM_HD void replace_trace(Sym3<V>& strain, const Vec3<V>& f) const {
-      const V more = V(T(1.0 / 3.0)) * (V(dt) * divergence.at(f) - trace(strain));
-      strain.xx += more;
-      strain.yy += more;
-      strain.zz += more;
+// Finds the divergence that cells give to the points of a block.
+template <class Shape, class V, class T = number_t<V>>
+void gather_divergence(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                       const Cells<T>& cells, Columns<T, 1>& out) {
+  using Cell = CellStencil<Shape>;
+  using R = bundle_pack_t<V>;
+  constexpr int S = Cell::support;
+  for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
+    const CellsAround<Shape, T> around(grid, bundle);
+    const T* row[S][S];
+    T counting[S][S][S];
+    const bool all_count = around.all_count(cells);
+    if (!all_count) find_counting(around, cells, counting);
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j) row[i][j] = all_count ? cells.divergence + around.row[i][j] : counting[i][j];
+    for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
+      const auto f = points.template vector<R>(Field::place, p, n);
+      R x[S], y[S], z[S], sum = R(T(0));
+      Cell::weights(f.x, x);
+      Cell::weights(f.y, y);
+      Cell::weights(f.z, z);
+      if (grid.is_axisymmetric) Cell::turn(f.x, T(bundle.base[0] - grid.pad), x);
+      for (int i = 0; i < S; ++i) {
+        R plane = R(T(0));
+        for (int j = 0; j < S; ++j) {
+          R line = R(T(0));
+          for (int k = 0; k < S; ++k) line += z[k] * R(row[i][j][k]);
+          plane += y[j] * line;
+        }
+        sum += x[i] * plane;
+      }
+      out.store(0, p - block.begin, sum);
+    });
+  });
+}
+
+// Takes the mean stress of what the points of a block push with out of it, and pushes the cells with it. A
+// lane is a cell, of four along z, as it is a node in cpu/scatter.hpp.
+template <class Shape, class V, class T = number_t<V>>
+void move_mean_to_cells(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                        Columns<T, 6>& push, const Cells<T>& cells) {
+  constexpr int S = CellStencil<Shape>::support;
+  CellWeights<Shape, T> weights;
+  find_cell_weights<Shape, V>(points, grid, block, weights);
+  for_each_pack<V>(block, [&](std::size_t p, int) PM_INLINE {
+    const std::size_t at = p - block.begin;
+    const auto s = [&](int c) PM_INLINE { return push.template load<V>(c, at); };
+    const V mean = V(T(1.0 / 3.0)) * (s(0) + s(1) + s(2));
+    for (int c = 0; c < 3; ++c) push.store(c, at, s(c) - mean);
+    for (int c = 2 * S; c < 3 * S; ++c) weights.store(c, at, mean * weights.template load<V>(c, at));
+  });
+  for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
+    Quad<T> sum[S][S];
+    for (std::size_t p = bundle.begin - block.begin; p < bundle.end - block.begin; ++p) {
+      Quad<T> pushed;
+      for (int k = 0; k < S; ++k) pushed.v[k] = weights.at[2 * S + k][p];
+      for (int j = 0; j < S; ++j) {
+        const auto row = weights.at[S + j][p] * pushed.v;
+        for (int i = 0; i < S; ++i) sum[i][j].v += weights.at[i][p] * row;
+      }
     }
-  };
-  const GridGeometry<T>& grid;
-  Cells<T> cells;
+    const CellsAround<Shape, T> around(grid, bundle);
+    if (!around.all_count(cells)) return push_counting(around, cells, sum);
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j) add_four(cells.push + around.row[i][j], sum[i][j]);
+  });
+}
+
+// Where gather_strain takes the trace of a strain from: the points' own gradient, or the divergence that
+// cells give.
+struct OwnVolume {
+  template <class V>
+  PM_HD void replace_trace(Sym3<V>&, std::size_t) const {}
+};
+template <class T>
+struct CellVolume {
+  const Columns<T, 1>& divergence;
   T dt;
-  PM_HD Part of(const Bundle& bundle) const { return {CellPatch<Shape, T>(grid, bundle, cells), dt}; }
+  template <class V>
+  PM_HD void replace_trace(Sym3<V>& strain, std::size_t i) const {
+    const V more = V(T(1.0 / 3.0)) * (V(dt) * divergence.template load<V>(0, i) - trace(strain));
+    strain.xx += more;
+    strain.yy += more;
+    strain.zz += more;
+  }
 };
 
 }  // namespace pockmark
