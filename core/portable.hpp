@@ -33,10 +33,6 @@ struct Four {
     for (int i = 0; i < 4; ++i) a.n[i] *= f;
     return a;
   }
-  PM_HD friend Four operator*(Four a, const Four& b) {
-    for (int i = 0; i < 4; ++i) a.n[i] *= b.n[i];
-    return a;
-  }
 };
 #else
 template <class T>

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstddef>
 
-#include "cells.hpp"
+#include "cell_points.hpp"
 
 namespace pockmark {
 

@@ -41,7 +41,8 @@ struct Machine {
   Surface<T> surface() { return driver.template nodes<Nodal::surface>(2 - state.momentum); }
   Cells<T> cells() {
     if (!model.by_cells()) return {};
-    return Cells<T>::in(driver.template nodes<Nodal::cell>(4), model.grid.field_count * model.grid.node_count());
+    return Cells<T>::in(driver.template nodes<Nodal::cell>(4),
+                        model.grid.field_count * model.grid.node_count());
   }
   Force<T> force() { return driver.template nodes<Nodal::force>(1); }
   Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }

@@ -36,7 +36,8 @@ class Volume {
       return gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, OwnVolume{}, strains);
     Columns<T, 1> divergence;
     gather_divergence<Shape, V>(points, grid_, block, cells_, divergence);
-    gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, CellVolume<T>{divergence, dt}, strains);
+    gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, CellVolume<T>{divergence, dt},
+                                   strains);
   }
   // Takes the mean stress out of what a block pushes with, and pushes the cells with it.
   void take_mean_stress(const Block& block, Columns<T, 6>& push) const {
