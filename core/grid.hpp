@@ -66,7 +66,7 @@ enum class Nodal {
   force,     // N
   damping,   // of transmitting faces: sum of rho c A, an entry a direction, kg/s
   surface,   // what tells where a body ends (contact.hpp)
-  cell,      // of the cell that begins at the node: its numbers (cells.hpp)
+  cell,      // numbers of the cells, in columns (cells.hpp)
 };
 
 // What the kernels see of a nodal array: all nodes, field after field.
@@ -83,8 +83,6 @@ template <class T>
 using Force = NodeField<T, Nodal::force>;
 template <class T>
 using Damping = NodeField<T, Nodal::damping>;
-template <class T>
-using Cells = NodeField<T, Nodal::cell>;
 template <class T>
 using Surface = NodeField<T, Nodal::surface>;
 

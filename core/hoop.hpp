@@ -74,20 +74,20 @@ void add_hoop_force(const Points<T>& points, const GridGeometry<T>& grid, const 
   });
 }
 
-// What rings add to the divergence of a cell (cells.hpp) of radius r, in cells: v_r/r, a share of 1/2r, and a
-// lean outwards of what its nodes at either side across r have of v_z, 1/2 (1 -+ lean). With it an even
-// pressure gradient gives the nodes on the axis and beside it what is in proportion to the mass that they
-// have of two rings a cell.
+// Returns 1/2r of a cell of radius r, in cells, and how far its divergence (cells.hpp) leans outwards: what
+// its nodes at either side across r have of v_z, 1/2 -+ lean. With it an even pressure gradient gives the
+// nodes on the axis and beside it what is in proportion to the mass that they have of two rings a cell.
 template <class T>
 struct CellTurn {
-  T hoop, lean;
+  T hoop = 0, lean = 0;
 };
 template <class Shape, class T>
 PM_HD CellTurn<T> cell_turn(const GridGeometry<T>& grid, std::size_t cell) {
+  if (!grid.is_axisymmetric) return {};
   int ijk[3];
   grid.split(cell, ijk);
   const T per_radius = T(1) / (T(ijk[0] - grid.pad) + T(0.5));
-  return {T(0.5) * per_radius, (Shape::support == 2 ? T(1) / T(8) : T(5) / T(64)) * per_radius};
+  return {T(0.5) * per_radius, (Shape::support == 2 ? T(1) / T(16) : T(5) / T(128)) * per_radius};
 }
 
 // Returns the length of the ring that a point is, m.

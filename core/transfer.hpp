@@ -2,7 +2,7 @@
 #pragma once
 #include <cstddef>
 
-#include "cells.hpp"
+#include "cell_points.hpp"
 
 namespace pockmark {
 
@@ -37,7 +37,6 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
     patch.load(grid, bundle, velocity);
     patch.scale(T(0.5) * dt * grid.per_metre);
     const Interpolant<Shape, T> displacement(patch);
-    const auto part = volume.of(bundle);
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
       Hints::template before<Pass::gradient>(points, p);
@@ -47,7 +46,7 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
       if (grid.is_axisymmetric) d[1][1] = hoop_rate(grid, bundle, patch, f);
       Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
                     d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
-      part.replace_trace(small, f);
+      volume.replace_trace(small, p - block.begin);
       const Vec3<R> turn{d[2][1] - d[1][2], d[0][2] - d[2][0], d[1][0] - d[0][1]};
       store_strain(out, p - block.begin, Strain<R>(small, R(T(0.5)) * turn));
     });

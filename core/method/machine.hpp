@@ -39,7 +39,11 @@ struct Machine {
   Momentum<T> momentum() { return driver.template nodes<Nodal::momentum>(state.momentum); }
   Momentum<T> other_momentum() { return driver.template nodes<Nodal::momentum>(2 - state.momentum); }
   Surface<T> surface() { return driver.template nodes<Nodal::surface>(2 - state.momentum); }
-  Cells<T> cells() { return model.by_cells() ? driver.template nodes<Nodal::cell>(4) : Cells<T>{}; }
+  Cells<T> cells() {
+    if (!model.by_cells()) return {};
+    return Cells<T>::in(driver.template nodes<Nodal::cell>(4),
+                        model.grid.field_count * model.grid.node_count());
+  }
   Force<T> force() { return driver.template nodes<Nodal::force>(1); }
   Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }
 };

@@ -27,32 +27,28 @@ class Volume {
       find_cells<Shape>(grid_, velocity, cells_, begin, end);
     });
     for_each_mirrored_cell(driver_, grid_, faces_,
-                           [&](std::size_t image, std::size_t cell) { cells_[image] = cells_[cell]; });
+                           [&](std::size_t image, std::size_t cell) { cells_.mirror(image, cell); });
   }
   // Finds how a nodal velocity, of which find() knows, strains the points of a block.
   void gather(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains) const {
     const auto& points = driver_.points();
-    if (by_cells_)
-      gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt,
-                                     CellVolume<Shape, T>{grid_, cells_, dt}, strains);
-    else
-      gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, OwnVolume{}, strains);
+    if (!by_cells_)
+      return gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, OwnVolume{}, strains);
+    Columns<T, 1> divergence;
+    gather_divergence<Shape, V>(points, grid_, block, cells_, divergence);
+    gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, CellVolume<T>{divergence, dt},
+                                   strains);
   }
   // Takes the mean stress out of what a block pushes with, and pushes the cells with it.
   void take_mean_stress(const Block& block, Columns<T, 6>& push) const {
-    if (!by_cells_) return;
-    T mean[Block::most];
-    take_mean(push, block.end - block.begin, mean);
-    for_each_bundle(block, [&](const Bundle& bundle) {
-      add_cell_push<Shape>(driver_.points(), grid_, bundle, mean + (bundle.begin - block.begin), cells_);
-    });
+    if (by_cells_) move_mean_to_cells<Shape, V>(driver_.points(), grid_, block, push, cells_);
   }
   // Adds the forces of the pushed cells.
   void add_to(Force<T> force) {
     if (!by_cells_) return;
     for_each_mirrored_cell(driver_, grid_, faces_, [&](std::size_t image, std::size_t cell) {
-      cells_[cell].v[cell_push] += cells_[image].v[cell_push];
-      cells_[image].v[cell_push] = T(0);
+      cells_.push[cell] += cells_.push[image];
+      cells_.push[image] = T(0);
     });
     driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
       add_cell_forces<Shape>(grid_, cells_, force, begin, end);

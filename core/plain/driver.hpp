@@ -62,8 +62,8 @@ class Driver {
   }
   template <class F>
   void for_each_line(bool, F&& f) const {
-    const std::size_t nodes = grid_.node_count();
-    for (std::size_t field = 0; field < grid_.field_count; ++field) f(0, field * nodes, (field + 1) * nodes);
+    const std::size_t row = grid_.index(0, 1, 0), all = grid_.field_count * grid_.node_count();
+    for (std::size_t first = 0; first < all; first += row) f(0, first, first + row);
   }
   template <class F>
   void for_each_pair(int rows, int columns, F&& f) const {
