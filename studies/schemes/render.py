@@ -142,10 +142,10 @@ def _number(row: Row, measure: str) -> str:
 
 
 def _short(value: float) -> str:
-    """Return a number in three or four digits."""
+    """Return a number in three digits, one of a thousand or more without decimals."""
     if not math.isfinite(value):
         return "-"
-    text = f"{value:.4g}" if abs(value) >= 1000 else f"{value:.3g}"
+    text = f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
     return text.replace("0.", ".", 1) if text.lstrip("-").startswith("0.") else text
 
 
