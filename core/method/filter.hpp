@@ -1,11 +1,10 @@
 // The filter of what the grid cannot see (docs/theory.md, Filters). S interpolates from the nodes to the
 // points, S+ maps to the nodes by mass. What lies in the null space of S+ neither feels the grid nor is felt
 // by it, and stays for ever. Every few steps
-//   v -= (1 - S S+)^m v        loses the motion of that kind (XPIC, Hammerquist and Nairn 2017),
-//   J += share (p - S S+ p) J/(rho0 c_d^2)      lets such a pressure relax, as sound between the points
-//   would.
-// What either takes becomes heat, handed out as S S+ of the loss per mass, so that no point is cooled by it.
-// Points that have failed are free to fly: they neither give to the filter nor take from it.
+//   v -= (1 - S S+)^m v                     loses the motion of that kind (XPIC, Hammerquist and Nairn 2017),
+//   J += share (p - S S+ p) J/(rho0 c_d^2)  lets such a pressure relax, as sound between points would.
+// What either takes becomes heat of the points around (map_unseen, heat). Points that have failed are free to
+// fly: they neither give to the filter nor take from it.
 #pragma once
 #include "../motion.hpp"
 #include "lines.hpp"
@@ -58,9 +57,8 @@ class Filter {
     Velocity<T> term = to_grid(first, Mirrored::vector);
     const int order = options_.filter_order;
     T share = T(order);
-    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) sum[i].v = share * term[i].v;
-    });
+    clear(sum);
+    add(share, term, sum);
     Momentum<T> next = second;
     for (int k = 2; k <= order; ++k) {
       share *= T(k - 1 - order) / T(k);
@@ -73,9 +71,7 @@ class Filter {
       const Momentum<T> free{term.data};
       term = to_grid(next, Mirrored::vector);
       next = free;
-      driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) sum[i].v += share * term[i].v;
-      });
+      add(share, term, sum);
     }
   }
   // Gives the points their velocity, and maps the energy per mass of what this took of it, and their
@@ -167,6 +163,11 @@ class Filter {
   void clear(Momentum<T> nodes) const {
     driver_.for_each_line(false,
                           [&](int, std::size_t begin, std::size_t end) { clear_line(nodes, begin, end); });
+  }
+  void add(T share, Velocity<T> term, Momentum<T> sum) const {
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) sum[i].v += share * term[i].v;
+    });
   }
   // Finds a nodal quantity at the points of a block.
   void gather(const Block& block, Velocity<T> nodes, Columns<T, 3>& out) const {

@@ -30,12 +30,13 @@ def measure_round_crater(surface: Surface) -> Crater | None:
     bowl = Openings.of(surface).bowl(i, 0)
     found = [_voids(surface, bowl.slice(k)) for k in range(bowl.slices)]
     top = found[-1]
-    if not top or math.isinf(top[-1][1]):
-        return Crater(depth, (0.0, 0.0), 0.0, None, None, None, None, None)
+    without_edge = Crater(depth, (0.0, 0.0), 0.0, None, None, None, None, None)
+    if not top or math.isinf(_outer(top)):
+        return without_edge
     count = min(max(1, min(5, int(depth / surface.spacing))), bowl.slices)
     area = float(at_zero(np.array([_outer(voids) ** 2 for voids in found[::-1][:count] if voids]))) * math.pi
     if area <= 0:
-        return Crater(depth, (0.0, 0.0), 0.0, None, None, None, None, None)
+        return without_edge
     diameter, crest = 2 * math.sqrt(area / math.pi), crest_height(surface)
     angle = np.linspace(0, 2 * math.pi, SIDES + 1)
     return Crater(

@@ -105,9 +105,7 @@ def sentence(finding: Finding) -> str:
     around = _interval(limit.value, limit.uncertainty, finding.quantity.power)
     if not limit.is_known:
         low, high = min(finding.values), max(finding.values)
-        unit, size = (
-            unit_for(low, high, power=finding.quantity.power) if finding.quantity.power else ("", 1.0)
-        )
+        unit, size = unit_of(finding)
         return (
             f"{name} does not converge on these cells, where it is {low / size:.4g} to {high / size:.4g} {unit}".rstrip()
             + f"; its limit is not known ({around} by three times that range)"
@@ -142,7 +140,7 @@ def figure(value: float) -> str:
 
 def _interval(value: float, uncertainty: float, power: int) -> str:
     """Return "17.9 +- 0.4 um": a value with its interval, in the unit that suits them."""
-    unit, size = unit_for(value, power=power) if power else ("", 1.0)
+    unit, size = unit_for(value, power=power)
     digits = _digits(uncertainty / size)
     return f"{value / size:.{digits}f} +- {uncertainty / size:.{digits}f} {unit}".rstrip()
 
@@ -156,8 +154,7 @@ def _digits(uncertainty: float) -> int:
 
 def unit_of(finding: Finding) -> tuple[str, float]:
     """Return the unit that suits a quantity's values, and its size in SI; "" and 1 for a share."""
-    power = finding.quantity.power
-    return unit_for(*finding.values, power=power) if power else ("", 1.0)
+    return unit_for(*finding.values, power=finding.quantity.power)
 
 
 def panels(found: Sequence[Finding]) -> Iterator[Panel]:
