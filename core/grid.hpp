@@ -67,6 +67,8 @@ enum class Nodal {
   damping,   // of transmitting faces: sum of rho c A, an entry a direction, kg/s
   surface,   // what tells where a body ends (contact.hpp)
   cell,      // numbers of the cells, in columns (cells.hpp)
+  lever,     // from the mass centre of the node's points to the node, cells (levers.hpp)
+  rows,      // of a matrix (levers.hpp)
 };
 
 // What the kernels see of a nodal array: all nodes, field after field.

@@ -9,6 +9,7 @@
 #include "../motion.hpp"
 #include "lines.hpp"
 #include "machine.hpp"
+#include "node_velocity.hpp"
 
 namespace pockmark {
 
@@ -19,7 +20,7 @@ class Filter {
 
  public:
   explicit Filter(Machine<Driver>& m)
-      : m_(m), options_(m.model.options), driver_(m.driver), grid_(m.model.grid) {}
+      : m_(m), options_(m.model.options), driver_(m.driver), grid_(m.model.grid), at_nodes_(m) {}
 
   bool is_due() const {
     return options_.filter_interval > 0 && m_.state.cycle > 0 &&
@@ -46,18 +47,29 @@ class Filter {
     }
   };
 
-  // Finds sum_k c_k (S+ S)^(k-1) S+ v in `sum`, of which S makes the filtered velocity: the binomial series
-  // of 1 - (1 - S S+)^m is S times it.
+  // Finds in `sum` the nodal velocity of which S makes the filtered one. Where nodes have the velocity of the
+  // mass centres it is the series below. Otherwise that series filters what v is besides the velocity carried
+  // to the nodes, and what it leaves of that is mapped and taken back, so that linear velocities stay as they
+  // are, and the filter symmetric.
   void find_velocity(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
-    clear(first);
-    driver_.scatter([&](int, const Block& block) {
-      const auto v = [&](int a) { return driver_.points().at(Field::velocity, a) + block.begin; };
-      map(block, {v(0), v(1), v(2)}, first);
-    });
+    clear(sum);
+    if (!at_nodes_.is_linear()) return add_series(first, second, sum);
+    at_nodes_.clear();
+    at_nodes_.find([&](std::size_t p) { return is_intact(p) ? driver_.points().at(Field::mass)[p] : T(0); });
+    map_rest(sum, first);
+    const auto carried = at_nodes_.of(to_grid(first, Mirrored::vector));
+    add(T(1), carried, sum);
+    add_series(first, second, sum);
+    map_rest(sum, first);
+    take_back(first, sum);
+  }
+  // Adds sum_k c_k (S+ S)^(k-1) S+ w, of which S makes what the binomial series of 1 - (1 - S S+)^m leaves of
+  // w = v - S `sum`.
+  void add_series(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
+    map_rest(sum, first);
     Velocity<T> term = to_grid(first, Mirrored::vector);
     const int order = options_.filter_order;
     T share = T(order);
-    clear(sum);
     add(share, term, sum);
     Momentum<T> next = second;
     for (int k = 2; k <= order; ++k) {
@@ -73,6 +85,29 @@ class Filter {
       next = free;
       add(share, term, sum);
     }
+  }
+  // Maps the momentum of the velocity that the points have besides S `seen`.
+  void map_rest(Momentum<T> seen, Momentum<T> rest) {
+    clear(rest);
+    driver_.scatter([&](int, const Block& block) {
+      Columns<T, 3> v;
+      gather(block, {seen.data}, v);
+      const auto& points = driver_.points();
+      for (int a = 0; a < 3; ++a)
+        for (std::size_t p = block.begin; p < block.end; ++p)
+          v.store(a, p - block.begin, points.at(Field::velocity, a)[p] - v.at[a][p - block.begin]);
+      map(block, {v.at[0], v.at[1], v.at[2]}, rest);
+    });
+  }
+  // Takes momentum at the nodes back to the mass centres, and adds its velocity.
+  void take_back(Momentum<T> momentum, Momentum<T> sum) {
+    driver_.exchange(momentum);
+    fold(driver_, grid_, m_.model.faces, momentum, Mirrored::vector);
+    at_nodes_.take_back({momentum.data});
+    driver_.for_each_line(
+        false, [&](int, std::size_t begin, std::size_t end) { divide_by_mass(momentum, begin, end); });
+    constrain(driver_, grid_, m_.model.faces, momentum);
+    add(T(1), {momentum.data}, sum);
   }
   // Gives the points their velocity, and maps the energy per mass of what this took of it, and their
   // pressure. Returns the kinetic energy that was lost, as a multiple of that energy: the loss of a single
@@ -193,6 +228,7 @@ class Filter {
   const Options& options_;
   Driver& driver_;
   const GridGeometry<T>& grid_;
+  NodeVelocity<Driver> at_nodes_;
 };
 
 }  // namespace pockmark

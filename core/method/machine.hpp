@@ -3,6 +3,7 @@
 #pragma once
 #include <optional>
 
+#include "../levers.hpp"
 #include "../timers.hpp"
 #include "contact.hpp"
 #include "state.hpp"
@@ -34,8 +35,8 @@ struct Machine {
   }
 
   // Arrays of the driver: two that take turns for momentum, one for forces, one for damping, and one for
-  // cells where volumetric strain is theirs. The one for momentum that is free, all zero until velocities are
-  // mapped back, also serves contact.
+  // cells where volumetric strain is theirs; eight where velocities are carried to the nodes. The one for
+  // momentum that is free, all zero until velocities are mapped back, also serves contact.
   Momentum<T> momentum() { return driver.template nodes<Nodal::momentum>(state.momentum); }
   Momentum<T> other_momentum() { return driver.template nodes<Nodal::momentum>(2 - state.momentum); }
   Surface<T> surface() { return driver.template nodes<Nodal::surface>(2 - state.momentum); }
@@ -44,8 +45,23 @@ struct Machine {
     return Cells<T>::in(driver.template nodes<Nodal::cell>(4),
                         model.grid.field_count * model.grid.node_count());
   }
+  Levers<T> levers() {
+    if (!model.is_linear()) return {};
+    const auto row = [&](int i) { return driver.template nodes<Nodal::rows>(first_lever() + i); };
+    return {driver.template nodes<Nodal::lever>(first_lever()),
+            {{row(1), row(2), row(3)}},
+            {{row(4), row(5), row(6)}}};
+  }
+  Velocity<T> carried() {
+    if (!model.is_linear()) return {};
+    return driver.template nodes<Nodal::velocity>(first_lever() + 7);
+  }
   Force<T> force() { return driver.template nodes<Nodal::force>(1); }
   Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }
+  int array_count() const { return first_lever() + (model.is_linear() ? 8 : 0); }
+
+ private:
+  int first_lever() const { return model.by_cells() ? 5 : 4; }
 };
 
 }  // namespace pockmark

@@ -12,11 +12,13 @@ namespace pockmark {
 enum class Scheme { usf, musl, usl, usavg };
 enum class ShapeFunction { trilinear, quadratic };
 enum class VolumetricStrain { points, cells };
+enum class AtNodes { mean, linear };
 
 struct Options {
   Scheme scheme;
   ShapeFunction shape;
   VolumetricStrain volumetric_strain;  // where a point takes it from
+  AtNodes node_velocity;               // of which field a node has its value: levers.hpp
   double cfl;                          // dt <= cfl h / (|v| + c)
   double strain_limit;                 // dt <= strain_limit / |tr D|
   double pic_fraction;
@@ -57,6 +59,7 @@ struct Model {
   }
 
   bool by_cells() const { return options.volumetric_strain == VolumetricStrain::cells; }
+  bool is_linear() const { return options.node_velocity == AtNodes::linear; }
   double mass(const Points<T>& points, std::size_t p) const {
     return mass_unit * double(points.at(Field::mass)[p]);
   }

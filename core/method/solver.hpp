@@ -23,7 +23,8 @@ class Solver {
   Solver(const GridGeometry<T>& grid, const Faces& faces, std::vector<Material<T>> materials,
          const Options& options, int threads)
       : m_{Model<T>(grid, faces, std::move(materials), options),
-           Driver(threads, options.sleep && options.mass_cutoff == 0),
+           Driver(threads,
+                  options.sleep && options.mass_cutoff == 0 && options.node_velocity == AtNodes::mean),
            {},
            {},
            {},
@@ -153,7 +154,7 @@ class Solver {
   }
 
  private:
-  void allocate() { m_.driver.allocate(m_.model.grid, m_.model.by_cells() ? 5 : 4); }
+  void allocate() { m_.driver.allocate(m_.model.grid, m_.array_count()); }
   void begin_anchorage() {
     m_.transmitting.anchorage().begin(m_.model.grid, m_.model.materials.size());
     anchorage_bytes_ = m_.transmitting.anchorage().bytes();

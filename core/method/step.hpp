@@ -7,6 +7,7 @@
 #include "../stress.hpp"
 #include "lines.hpp"
 #include "machine.hpp"
+#include "node_velocity.hpp"
 #include "step_size.hpp"
 #include "volume.hpp"
 
@@ -19,8 +20,7 @@ class Step {
   using Hints = typename Driver::Hints;
 
  public:
-  explicit Step(Machine<Driver>& m)
-      : m_(m), model_(m.model), driver_(m.driver), state_(m.state), grid_(m.model.grid), volume_(m) {}
+  explicit Step(Machine<Driver>& m) : m_(m), volume_(m), at_nodes_(m) {}
 
   double dt() const { return state_.dt; }
   const std::vector<std::vector<Exit>>& exits() const { return exits_; }
@@ -35,6 +35,7 @@ class Step {
         clear_line(force, begin, end);
         clear_line(other, begin, end);
       });
+      at_nodes_.clear();
       driver_.forget_stale();
     });
   }
@@ -49,6 +50,7 @@ class Step {
         m_.transmitting.template renew<Shape>(model_, driver_, m_.damping());
       if (!state_.is_mapped) driver_.scatter([&](int, const Block& block) { add(block, momentum); });
       before = to_velocity(momentum);
+      at_nodes_.find();
     });
     m_.timers.time("boundary", [&] { constrain(driver_, grid_, model_.faces, before); });
     if (m_.contact)
@@ -56,14 +58,13 @@ class Step {
         m_.contact->template find<Shape>(model_, driver_, before, m_.surface(), T(dt()));
         fit(before);
       });
-    m_.timers.time("stress", [&] { volume_.find(before); });
     return before;
   }
 
   // (3), (4): strains the points by the velocity that was mapped, and returns the forces of the new stress.
-  Force<T> stress_and_force(Velocity<T> velocity, const Pay& pay) {
+  Force<T> stress_and_force(Velocity<T> before, const Pay& pay) {
     const auto force = m_.force();
-    stress(velocity, pay, [&](auto&& update) {
+    stress(straining(before), pay, [&](auto&& update) {
       driver_.scatter([&](int slot, const Block& block) {
         Columns<T, 6> push;
         update(slot, block, push);
@@ -75,8 +76,7 @@ class Step {
   }
   // (3) alone: strains the points by a nodal velocity.
   void stress_only(Velocity<T> velocity, const Pay& pay) {
-    m_.timers.time("stress", [&] { volume_.find(velocity); });
-    stress(velocity, pay, [&](auto&& update) {
+    stress(straining(velocity), pay, [&](auto&& update) {
       driver_.for_each_awake_block([&](int slot, const Block& block) {
         Columns<T, 6> push;
         update(slot, block, push);
@@ -84,9 +84,10 @@ class Step {
     });
   }
   // (4) alone: the forces of the stress that there is.
-  Force<T> force_only() {
+  Force<T> force_only(Velocity<T> before) {
     const auto force = m_.force();
     m_.timers.time("stress", [&] {
+      volume_.find(before);
       driver_.scatter([&](int, const Block& block) {
         Columns<T, 6> push;
         push_of_stress<V>(driver_.points(), model_.materials.data(), block, push);
@@ -149,12 +150,13 @@ class Step {
   // three.
   void update_velocities_and_move(Velocity<T> before, Velocity<T> after) {
     const auto momentum = m_.other_momentum();
+    const auto motion = at_nodes_.of(after);
     velocities(
         [&](auto&& update) {
           regroup(
               [&](int slot, const Block& block) {
                 update(slot, block);
-                return move_block(slot, block, after);
+                return move_block(slot, block, motion);
               },
               momentum);
         },
@@ -173,16 +175,17 @@ class Step {
   }
 
   // (6): changes the positions of the points, and adds their momentum for the next step, while they are in
-  // the cache. `before` is lost: its array takes the momentum.
+  // the cache. Where velocities are carried to the nodes, points move as they were strained last. `before` is
+  // lost: its array takes the momentum.
   void move(Velocity<T> after) {
-    move_with(after, [](const Block&) {});
+    move_with(at_nodes_.latest(after), [](const Block&) {});
   }
   // Does the same, after a last strain by a nodal velocity.
   void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
-    m_.timers.time("move", [&] { volume_.find(by); });
-    move_with(after, [&](const Block& block) {
+    const auto velocity = straining(by);
+    move_with(at_nodes_.latest(after), [&](const Block& block) {
       StrainColumns<T> strains;
-      volume_.gather(block, by, T(dt), strains);
+      volume_.gather(block, velocity, T(dt), strains);
       strain_points<V, Hints>(driver_.points(), model_.materials.data(), block, strains);
     });
   }
@@ -205,6 +208,11 @@ class Step {
     constrain(driver_, grid_, model_.faces, velocity);
   }
 
+  // Returns the velocity at the nodes, of which the strains are, and lets the cells know of it.
+  Velocity<T> straining(Velocity<T> mean) {
+    m_.timers.time("stress", [&] { volume_.find(at_nodes_.of(mean)); });
+    return at_nodes_.latest(mean);
+  }
   void add_forces(const Block& block, Columns<T, 6>& push, Force<T> force) {
     volume_.take_mean_stress(block, push);
     driver_.template add_force<Shape>(block, push, force);
@@ -213,6 +221,7 @@ class Step {
   void finish_forces(Force<T> force) {
     finish(force);
     volume_.add_to(force);
+    at_nodes_.take_back(force);
   }
 
   // Calls walk(update) with update(slot, block, push), which strains a block: block by block, while its
@@ -238,8 +247,8 @@ class Step {
   }
 
   // Calls walk(update) with update(slot, block), which changes the velocities of a block; then finish().
-  template <class Walk, class Finish>
-  void velocities(Walk&& walk, Velocity<T> before, Velocity<T> after, Finish&& finish) {
+  template <class Walk, class Finish = void (*)()>
+  void velocities(Walk&& walk, Velocity<T> before, Velocity<T> after, Finish&& finish = [] {}) {
     m_.timers.time("g2p", [&] {
       std::vector<double> taken(driver_.slots());
       exits_.assign(driver_.slots(), {});
@@ -251,10 +260,6 @@ class Step {
       for (const double sum : taken) state_.pic += sum;
       finish();
     });
-  }
-  template <class Walk>
-  void velocities(Walk&& walk, Velocity<T> before, Velocity<T> after) {
-    velocities(walk, before, after, [] {});
   }
 
   template <class Before>
@@ -283,11 +288,12 @@ class Step {
   }
 
   Machine<Driver>& m_;
-  const Model<T>& model_;
-  Driver& driver_;
-  State& state_;
-  const GridGeometry<T>& grid_;
+  const Model<T>& model_ = m_.model;
+  Driver& driver_ = m_.driver;
+  State& state_ = m_.state;
+  const GridGeometry<T>& grid_ = m_.model.grid;
   Volume<Driver, Shape> volume_;
+  NodeVelocity<Driver> at_nodes_;
   std::vector<std::vector<Exit>> exits_;  // of each slot in the last move
 };
 

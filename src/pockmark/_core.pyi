@@ -37,8 +37,13 @@ class VolumetricStrain(enum.Enum):
 
     cells = 1
 
+class AtNodes(enum.Enum):
+    mean = 0
+
+    linear = 1
+
 class Options:
-    def __init__(self, scheme: Scheme, shape: ShapeFunction, volumetric_strain: VolumetricStrain, cfl: float, strain_limit: float, pic_fraction: float, mass_cutoff: float, sleep: bool, filter_interval: int = 0, filter_order: int = 0, pressure_filter: float = 0.0) -> None: ...
+    def __init__(self, scheme: Scheme, shape: ShapeFunction, volumetric_strain: VolumetricStrain, node_velocity: AtNodes, cfl: float, strain_limit: float, pic_fraction: float, mass_cutoff: float, sleep: bool, filter_interval: int = 0, filter_order: int = 0, pressure_filter: float = 0.0) -> None: ...
 
 class Material:
     """A material as it is written, SI."""

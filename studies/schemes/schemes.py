@@ -32,6 +32,8 @@ SCHEMES: dict[str, Changes] = {
     "cells-pressure-filter": {**CELLS, **PRESSURE_FILTER},
     "cells-both-filters": {**CELLS, **BOTH_FILTERS},
     "trilinear-both-filters": {**TRILINEAR, **BOTH_FILTERS},
+    "cells-linear": {**CELLS, "node_velocity": "linear"},
+    "cells-linear-both-filters": {**CELLS, **BOTH_FILTERS, "node_velocity": "linear"},
     "quadratic-cells-both-filters": {**QUADRATIC, "volumetric_strain": "cells", **BOTH_FILTERS},
 }
 

@@ -78,6 +78,7 @@ def options(
     pic=0.0,
     strain_limit=0.2,
     volume="points",
+    nodes="mean",
     filtering=(0, 0, 0.0),
 ):
     """Return the core's options; `filtering` is a filter's interval, order and share of the pressure."""
@@ -85,6 +86,7 @@ def options(
         scheme=getattr(core.Scheme, scheme),
         shape=getattr(core.ShapeFunction, shape),
         volumetric_strain=getattr(core.VolumetricStrain, volume),
+        node_velocity=getattr(core.AtNodes, nodes),
         cfl=cfl,
         strain_limit=strain_limit,
         pic_fraction=pic,

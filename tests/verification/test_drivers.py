@@ -14,7 +14,7 @@ LEAVING = ("impact.speed=12000", "grid.upper=['100 um', '100 um', '25 um']")  # 
 SCHEMES = pytest.mark.parametrize("scheme", ["usf", "musl", "usl", "usavg"])
 
 
-def cloud(scheme, shape, driver, *, single=False, seed=3, volume="points"):
+def cloud(scheme, shape, driver, *, single=False, seed=3, volume="points", nodes="mean"):
     """Random points of two bodies: runs of every length, lone points, empty cells, packs that hold both bodies."""
     rng = np.random.default_rng(seed)
     n, cells = 1500, (9, 17, 7)
@@ -26,6 +26,7 @@ def cloud(scheme, shape, driver, *, single=False, seed=3, volume="points"):
         scheme=getattr(core.Scheme, scheme),
         shape=getattr(core.ShapeFunction, shape),
         volumetric_strain=getattr(core.VolumetricStrain, volume),
+        node_velocity=getattr(core.AtNodes, nodes),
         cfl=0.5,
         strain_limit=0.2,
         pic_fraction=0.02,

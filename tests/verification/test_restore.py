@@ -25,6 +25,7 @@ RUNS = {
     "cut-off": ("numerics.scheme=usf", "numerics.mass_cutoff=0.01"),
     "leaving": LEAVING,
     "filter": ("numerics.filter.interval=3", "contact.friction=0.3", "numerics.volumetric_strain=cells"),
+    "node velocity": ("numerics.node_velocity=linear", "numerics.filter.interval=3", "contact.friction=0.3"),
     "axisymmetric": ("grid.geometry=axisymmetric", "impact.speed=12000"),
     "axisymmetric contact cells": (
         "grid.geometry=axisymmetric",

@@ -36,6 +36,7 @@ def measure_run(path: AnyPath) -> dict[str, Any]:
         "scheme": scene.numerics.scheme,
         "shape_functions": scene.numerics.shape_functions,
         "volumetric_strain": scene.numerics.volumetric_strain,
+        "node_velocity": scene.numerics.node_velocity,
         "precision": scene.numerics.precision,
         "status": status,
         "torn_rows": folder.rows().torn,

@@ -269,6 +269,7 @@ def _make_solver(scene: Scene, threads: int, driver: str, *, sleep: bool) -> Any
             scheme=getattr(_core.Scheme, numerics.scheme),
             shape=getattr(_core.ShapeFunction, numerics.shape_functions),
             volumetric_strain=getattr(_core.VolumetricStrain, numerics.volumetric_strain),
+            node_velocity=getattr(_core.AtNodes, numerics.node_velocity),
             cfl=numerics.cfl,
             strain_limit=numerics.strain_limit,
             pic_fraction=numerics.pic_fraction,

@@ -40,6 +40,7 @@ class Numerics(Model):
     scheme: Literal["usf", "musl", "usl", "usavg"] = "usavg"
     shape_functions: Literal["trilinear", "quadratic"] = "trilinear"
     volumetric_strain: Literal["points", "cells"] = "points"
+    node_velocity: Literal["mean", "linear"] = "mean"
     cfl: Annotated[Number, Field(gt=0, le=1)] = 0.5
     strain_limit: Annotated[Number, Field(gt=0, le=1)] = 0.2
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] = 0.0

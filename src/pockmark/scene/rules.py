@@ -35,6 +35,7 @@ def broken_rules(scene: "Scene") -> list[str]:
         _bodies_have_points,
         _symmetry_planes_are_kept,
         _scheme_can_use_cells,
+        _velocities_can_be_carried,
         _comes_to_an_end,
     )
     # Points that are too many cannot be looked at.
@@ -112,6 +113,16 @@ def _scheme_can_use_cells(scene: "Scene") -> Iterator[str]:
     # It strains by the velocities of slivers of mass, which cells would carry farther: the step falls to nothing.
     if scene.numerics.scheme == "usl" and scene.numerics.volumetric_strain == "cells":
         yield "numerics.volumetric_strain: found 'cells' with scheme 'usl', which goes with 'points' only"
+
+
+def _velocities_can_be_carried(scene: "Scene") -> Iterator[str]:
+    """Say what does not go with velocities that are carried to the nodes."""
+    if scene.numerics.node_velocity != "linear":
+        return
+    if scene.numerics.shape_functions != "trilinear":
+        yield f"numerics.node_velocity: found 'linear' with shape_functions '{scene.numerics.shape_functions}', which goes with 'trilinear' only"
+    if scene.grid.is_axisymmetric:
+        yield "numerics.node_velocity: found 'linear' with grid.geometry 'axisymmetric', which goes with '3d' only"
 
 
 def _comes_to_an_end(scene: "Scene") -> Iterator[str]:

@@ -233,7 +233,11 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
         hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
     before = {
-        "numerics": (("volumetric_strain", "points"), ("filter", Filter().model_dump())),
+        "numerics": (
+            ("volumetric_strain", "points"),
+            ("node_velocity", "mean"),
+            ("filter", Filter().model_dump()),
+        ),
         "grid": (("geometry", "3d"),),
     }
     for name, known in before.items():

@@ -155,7 +155,8 @@ def _run(result: Results) -> Iterator[tuple[str, str]]:
     run = result["run"]
     yield "failure treatment", str(run["failure_treatment"])
     by_cells = ", volumetric strain by cells" if run.get("volumetric_strain") == "cells" else ""
-    yield "scheme", f"{run['scheme']}, {run['shape_functions']}{by_cells}"
+    linear = ", linear velocities at the nodes" if run.get("node_velocity") == "linear" else ""
+    yield "scheme", f"{run['scheme']}, {run['shape_functions']}{by_cells}{linear}"
     yield "largest rho/rho0", _shown(run["max_compression"], "{:.3f}")
     rate = _shown(run["particle_steps_per_second"], "{:.2f} M particle-steps/s", unit=1e6)
     yield "size", f"{run['points']:,} points, {run['steps']:,} steps, {rate}"

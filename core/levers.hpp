@@ -1,0 +1,244 @@
+// The velocity of a node is the mean of its points', by mass: that of their mass centre, which beside a
+// surface does not lie at the node. These kernels carry it from there to the node with the velocity gradient
+// around, so that a velocity that is linear in space has its own values at the nodes; and take forces back,
+// the transpose (docs/theory.md, Velocities at the nodes). With trilinear functions only: a bundle is a cell,
+// which is called by its first node.
+//
+// A node takes the gradient from the cells of its cells' nodes, four an axis with the weights 1, 3, 3, 1:
+// from cells to nodes, to cells, to nodes, a sum over eight each time. The cells at a surface alone would not
+// do: what little mass lies in them may lie so close together that no gradient can be told.
+#pragma once
+#include <algorithm>
+
+#include "boundary.hpp"
+#include "interpolant.hpp"
+
+namespace pockmark {
+
+// Three rows of three numbers at each node, or of each cell.
+template <class T>
+struct Rows {
+  NodeField<T, Nodal::rows> at[3];
+
+  PM_HD void set(std::size_t i, int r, const Vec3<T>& row) const { at[r][i].set_vector(row); }
+  PM_HD Vec3<T> row(std::size_t i, int r) const { return at[r][i].vector(); }
+};
+
+// What it takes. The fourth number of a lever is the mass of the node, of a cell's second row that of the
+// cell. A cell without mass has no say.
+template <class T>
+struct Levers {
+  NodeField<T, Nodal::lever> at;  // from the mass centre to the node, in cells; then what gradients multiply
+  Rows<T> cells, nodes;
+
+  PM_HD T& mass(std::size_t cell) const { return cells.at[1][cell].v[3]; }
+  void clear(std::size_t begin, std::size_t end) const {
+    std::fill(at.data + begin, at.data + end, Quad<T>{});
+    for (const Rows<T>* rows : {&cells, &nodes})
+      for (const auto& row : rows->at) std::fill(row.data + begin, row.data + end, Quad<T>{});
+  }
+};
+
+// Mass centres that span less than this share of the space of their cells lie near a plane, a row or one
+// place and tell no gradient: the velocity stays where it is. At corners of bodies the share falls to .2;
+// with a hundredth as the least, fragments of an impact are strained ever faster.
+template <class T>
+inline constexpr T least_span = T(0.1);
+
+// Adds the moments of a bundle's mass about its nodes, sum N m (x - X), in cells, and the mass, to nodes and
+// cell. mass(p) is the mass of a point that counts.
+template <class T, class Mass>
+void add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, Mass&& mass,
+                 const Levers<T>& levers) {
+  Patch<Linear<T>, T> patch;
+  T sum = 0;
+  for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
+    const auto f = points.vector(Field::place, p);
+    const Stencil<Linear<T>, T> n(f, T(1));
+    const T m = mass(p);
+    sum += m;
+    patch.for_each([&](int i, int j, int k) {
+      add_scaled(patch.at[i][j][k], m * n.weight(i, j, k),
+                 Quad<T>{{f.x - T(i), f.y - T(j), f.z - T(k), T(1)}});
+    });
+  }
+  patch.add_to(grid, bundle, levers.at);
+  levers.mass(bundle.node) += sum;
+}
+
+// A matrix, and its inverse.
+template <class T>
+struct Three {
+  T at[3][3];
+
+  PM_HD Vec3<T> row(int r) const { return {at[r][0], at[r][1], at[r][2]}; }
+  PM_HD T cofactor(int r, int a) const {
+    const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, a1 = (a + 1) % 3, a2 = (a + 2) % 3;
+    return at[r1][a1] * at[r2][a2] - at[r1][a2] * at[r2][a1];
+  }
+  PM_HD T determinant() const {
+    return at[0][0] * cofactor(0, 0) + at[0][1] * cofactor(0, 1) + at[0][2] * cofactor(0, 2);
+  }
+  // Returns the solution x of A x = b.
+  PM_HD Vec3<T> solve(const Vec3<T>& b) const {
+    Vec3<T> x{};
+    const T per_determinant = T(1) / determinant();
+    for (int r = 0; r < 3; ++r)
+      for (int a = 0; a < 3; ++a) x[a] += per_determinant * cofactor(r, a) * b[r];
+    return x;
+  }
+};
+
+// The nodes of a line, from one to before another of the same row, and the cells that begin at them.
+template <class T>
+class LeverLine {
+ public:
+  LeverLine(const GridGeometry<T>& grid, const Levers<T>& levers, std::size_t begin, std::size_t end)
+      : levers_(levers), begin_(begin), end_(end), x_(grid.index(1, 0, 0)), y_(grid.index(0, 1, 0)) {
+    int first[3];
+    grid.split(begin, first);
+    is_first_plane_ = first[0] == 0;
+    if (first[0] + 1 == grid.nodes(0) || first[1] + 1 == grid.nodes(1)) return;  // no cell begins here
+    end_of_cells_ = std::min(end, begin + std::size_t(grid.nodes(2) - 1 - first[2]));
+  }
+
+  // Turns moments into levers.
+  void find_levers() const {
+    for (std::size_t node = begin_; node < end_; ++node) {
+      auto& at = levers_.at[node];
+      at.set_vector(at.v[3] > least_mass<T> ? (T(-1) / at.v[3]) * at.vector() : Vec3<T>{});
+    }
+  }
+  // Finds the slopes of the place of the mass centres in the cells, times the mass of the cell: the unit
+  // matrix where they lie at the nodes. The fourth number of the first row is the mass.
+  void find_spans() const {
+    for_each_cell([&](std::size_t cell) {
+      const T mass = levers_.mass(cell);
+      set_slopes(cell, -mass, levers_.at.data);
+      for (int r = 0; r < 3; ++r) levers_.cells.at[r][cell].v[r] += mass;
+      levers_.cells.at[0][cell].v[3] = mass;
+    });
+  }
+  // Ends with what a lever is to be multiplied with: the inverse of the mean of these slopes.
+  void divide_by_spans() const {
+    for (std::size_t node = begin_; node < end_; ++node) {
+      T weight;
+      const auto span = sum_around(node, weight);
+      auto& at = levers_.at[node];
+      const bool tells = span.determinant() > least_span<T> * weight * weight * weight;
+      at.set_vector(tells ? span.solve(at.vector()) : Vec3<T>{});
+    }
+  }
+
+  // Finds the velocity gradients of the cells, times their mass.
+  void find_gradients(Velocity<T> velocity) const {
+    for_each_cell([&](std::size_t cell) { set_slopes(cell, levers_.mass(cell), velocity.data); });
+  }
+  // Finds what forces do to the gradients.
+  void find_moments(Force<T> force) const {
+    for_each_cell([&](std::size_t cell) {
+      Quad<T> sum[3];
+      for (int i = 0; i < 8; ++i) {
+        const std::size_t node = cell + corner(i);
+        for (int r = 0; r < 3; ++r) add_scaled(sum[r], force[node].v[r], levers_.at[node]);
+      }
+      for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, sum[r].vector());
+    });
+  }
+  // Adds up what the cells around each node have; then what the nodes of each cell have.
+  void spread() const {
+    for (std::size_t node = begin_; node < end_; ++node) {
+      Quad<T> sum[3];
+      add_around(node, sum);
+      for (int r = 0; r < 3; ++r) levers_.nodes.at[r][node] = sum[r];
+    }
+  }
+  void gather() const {
+    for_each_cell([&](std::size_t cell) {
+      Quad<T> sum[3];
+      for (int i = 0; i < 8; ++i)
+        for (int r = 0; r < 3; ++r) sum[r] += levers_.nodes.at[r][cell + corner(i)];
+      for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, sum[r].vector());
+      levers_.cells.at[0][cell].v[3] = sum[0].v[3];
+    });
+  }
+  // Carries a velocity to the nodes, with the gradients around.
+  void carry(Velocity<T> from, Velocity<T> to) const {
+    for (std::size_t node = begin_; node < end_; ++node) {
+      Quad<T> rows[3], v = from[node];
+      add_around(node, rows);
+      const auto lever = levers_.at[node].vector();
+      for (int r = 0; r < 3; ++r) v.v[r] += dot(rows[r].vector(), lever);
+      to[node] = v;
+    }
+  }
+  // Adds what moments of the cells, times their mass, are as forces.
+  void carry_back(Force<T> force) const {
+    for (std::size_t node = begin_; node < end_; ++node) {
+      Vec3<T> sum{};
+      for_each_cell_around(node, [&](std::size_t cell, int i) {
+        const T share = T(0.25) * levers_.mass(cell);
+        const Vec3<T> slope{side(i, 4) * share, side(i, 2) * share, side(i, 1) * share};
+        for (int r = 0; r < 3; ++r) sum[r] += dot(levers_.cells.row(cell, r), slope);
+      });
+      force[node].set_vector(force[node].vector() + sum);
+    }
+  }
+
+ private:
+  // Corner i of a cell lies at the upper end of the axes whose bits it has: 4 x, 2 y, 1 z.
+  std::size_t corner(int i) const { return (i & 4 ? x_ : 0) + (i & 2 ? y_ : 0) + (i & 1); }
+  static T side(int i, int bit) { return i & bit ? T(1) : T(-1); }
+
+  template <class F>
+  void for_each_cell(F&& f) const {
+    for (std::size_t cell = begin_; cell < end_of_cells_; ++cell) f(cell);
+  }
+  // Calls f(cell, i) for the cells with mass of which a node is corner i.
+  template <class F>
+  void for_each_cell_around(std::size_t node, F&& f) const {
+    for (int i = 0; i < (is_first_plane_ ? 4 : 8); ++i) {
+      if (corner(i) > node) continue;
+      const std::size_t cell = node - corner(i);
+      if (levers_.mass(cell) > T(0)) f(cell, i);
+    }
+  }
+  void add_around(std::size_t node, Quad<T> (&sum)[3]) const {
+    for_each_cell_around(node, [&](std::size_t cell, int) {
+      for (int r = 0; r < 3; ++r) sum[r] += levers_.cells.at[r][cell];
+    });
+  }
+  Three<T> sum_around(std::size_t node, T& weight) const {
+    Quad<T> sum[3];
+    add_around(node, sum);
+    Three<T> out;
+    for (int r = 0; r < 3; ++r)
+      for (int a = 0; a < 3; ++a) out.at[r][a] = sum[r].v[a];
+    weight = sum[0].v[3];
+    return out;
+  }
+
+  // Sets the rows of a cell to the mean slopes, per cell, of a nodal vector, times a factor.
+  void set_slopes(std::size_t cell, T factor, const Quad<T>* nodes) const {
+    const auto at = [&](int i) -> const Four<T>& { return nodes[cell + corner(i)].v; };
+    const auto a = at(0), b = at(1), c = at(2), d = at(3), e = at(4), f = at(5), g = at(6), h = at(7);
+    const auto x = (e + f + g + h) - (a + b + c + d), y = (c + d + g + h) - (a + b + e + f),
+               z = (b + d + f + h) - (a + c + e + g);
+    const T share = T(0.25) * factor;
+    for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, {share * x[r], share * y[r], share * z[r]});
+  }
+
+  const Levers<T>& levers_;
+  std::size_t begin_, end_, end_of_cells_ = 0, x_, y_;
+  bool is_first_plane_ = false;
+};
+
+// What a mirror does to the rows of a cell: r is a component of what is mirrored, as `face` does it, a an
+// axis.
+template <class T>
+Vec3<T> mirrored_row(Face face, int face_axis, int r, Vec3<T> row) {
+  row[face_axis] = -row[face_axis];
+  return T(mirror_sign(face, face_axis, r)) * row;
+}
+
+}  // namespace pockmark
