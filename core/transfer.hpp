@@ -42,7 +42,7 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
       Hints::template before<Pass::gradient>(points, p);
       R d[3][3];  // dt/2 d v_c / d x_a
       const auto f = points.template vector<R>(Field::place, p, n);
-      displacement.slopes(f, d);
+      anew(displacement).slopes(f, d);
       if (grid.is_axisymmetric) d[1][1] = hoop_rate(grid, bundle, patch, f);
       Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
                     d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
@@ -62,7 +62,7 @@ void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& o
     const Interpolant<Shape, T> field(patch);
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
-      const auto v = field.value(points.template vector<R>(Field::place, p, n));
+      const auto v = anew(field).value(points.template vector<R>(Field::place, p, n));
       for (int c = 0; c < 3; ++c) out.store(c, p - block.begin, v[c]);
     });
   });
