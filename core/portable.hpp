@@ -39,12 +39,17 @@ struct Four {
     for (int i = 0; i < 4; ++i) n[i] += b.n[i];
     return *this;
   }
+  PM_HD friend Four operator+(Four a, const Four& b) { return a += b; }
   PM_HD friend Four operator-(Four a, const Four& b) {
     for (int i = 0; i < 4; ++i) a.n[i] -= b.n[i];
     return a;
   }
   PM_HD friend Four operator*(T f, Four a) {
     for (int i = 0; i < 4; ++i) a.n[i] *= f;
+    return a;
+  }
+  PM_HD friend Four operator*(Four a, const Four& b) {
+    for (int i = 0; i < 4; ++i) a.n[i] *= b.n[i];
     return a;
   }
 };

@@ -37,6 +37,7 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
     patch.load(grid, bundle, velocity);
     patch.scale(T(0.5) * dt * grid.per_metre);
     const Interpolant<Shape, T> displacement(patch);
+    const auto around = volume.around(bundle);
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
       Hints::template before<Pass::gradient>(points, p);
@@ -46,7 +47,7 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
       if (grid.is_axisymmetric) d[1][1] = hoop_rate(grid, bundle, patch, f);
       Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
                     d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
-      volume.replace_trace(small, p - block.begin);
+      anew(around).replace_trace(small, f);
       const Vec3<R> turn{d[2][1] - d[1][2], d[0][2] - d[2][0], d[1][0] - d[0][1]};
       store_strain(out, p - block.begin, Strain<R>(small, R(T(0.5)) * turn));
     });
