@@ -7,6 +7,7 @@
 // fly: they neither give to the filter nor take from it.
 #pragma once
 #include "../motion.hpp"
+#include "../stress.hpp"
 #include "lines.hpp"
 #include "machine.hpp"
 
@@ -31,7 +32,7 @@ class Filter {
     if (options_.filter_order > 0) find_velocity(first, second, sum);
     const T heat_share = map_unseen(first, sum);
     relax(first, second, heat_share);
-    heat(second);
+    if (options_.pressure_filter > 0) heat(second);
     m_.state.is_mapped = false;
   }
 
@@ -81,85 +82,111 @@ class Filter {
     clear(unseen);
     std::vector<Loss> losses(driver_.slots());
     driver_.scatter([&](int slot, const Block& block) {
-      const auto& points = driver_.points();
-      Columns<T, 2> carried;
-      Columns<T, 3> seen;
-      if (options_.filter_order > 0) gather(block, {velocity.data}, seen);
-      Loss loss;
-      for (std::size_t p = block.begin; p < block.end; ++p) {
-        const std::size_t i = p - block.begin;
-        const auto v = points.vector(Field::velocity, p);
-        T energy = 0;
-        if (options_.filter_order > 0 && is_intact(p)) {
-          const auto now = seen.template vector<T>(i);
-          const auto taken = v - now;
-          energy = T(0.5) * dot(taken, taken);
-          const double mass = points.at(Field::mass)[p];
-          loss.taken += mass * energy;
-          loss.kinetic += mass * (energy + dot(taken, now));
-          points.set_vector(Field::velocity, p, now);
-        }
-        carried.store(0, i, energy);
-        carried.store(1, i, points.at(Field::pressure)[p]);
+      Columns<T, 1> energy{};
+      if (options_.filter_order > 0) {
+        const Loss loss = filter_velocity(block, {velocity.data}, energy);
+        if (loss.taken != 0) losses[slot] += loss;
       }
-      if (loss.taken != 0) losses[slot] += loss;
-      map(block, {carried.at[0], carried.at[1], carried.at[0]}, unseen);
+      const T* const pressure = driver_.points().at(Field::pressure) + block.begin;
+      map(block, {energy.at[0], pressure, energy.at[0]}, unseen);
     });
     to_grid(unseen, Mirrored::magnitudes);
     Loss sum;
     for (const Loss& one : losses) sum += one;
     return sum.taken > 0 ? T(sum.kinetic / sum.taken) : T(0);
   }
+  // Gives the points of a block their velocity. Leaves the energy per mass of what this took of it.
+  Loss filter_velocity(const Block& block, Velocity<T> velocity, Columns<T, 1>& energy) const {
+    const auto& points = driver_.points();
+    Columns<T, 3> seen;
+    gather(block, velocity, seen);
+    V taken = V(0), kinetic = V(0);
+    for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+      const std::size_t i = p - block.begin;
+      const auto v = points.template vector<V>(Field::velocity, p, n), now = seen.template vector<V>(i);
+      const auto off = v - now;
+      const auto acts = intact(p, n);
+      const V mass = select(acts, points.template load<V>(Field::mass, p, n), V(0));
+      const V unseen = select(acts, V(T(0.5)) * dot(off, off), V(0));
+      taken += mass * unseen;
+      kinetic += mass * (unseen + select(acts, dot(off, now), V(0)));
+      energy.store(0, i, unseen);
+      const Vec3<V> filtered{select(acts, now.x, v.x), select(acts, now.y, v.y), select(acts, now.z, v.z)};
+      points.set_vector(Field::velocity, p, filtered, n);
+    });
+    return {sum_of(taken), sum_of(kinetic)};
+  }
   // Adds the heat of the velocities, relaxes the unseen pressure, and maps the energy per mass that this
   // took.
   void relax(Momentum<T> unseen, Momentum<T> taken, T heat_share) {
-    clear(taken);
+    const bool relaxes = options_.pressure_filter > 0;
+    if (relaxes) clear(taken);
     std::vector<double> heat(driver_.slots());
     driver_.scatter([&](int slot, const Block& block) {
-      const auto& points = driver_.points();
       Columns<T, 3> seen;
-      Columns<T, 1> carried;
+      Columns<T, 1> lost;
       gather(block, {unseen.data}, seen);
-      double sum = 0;
-      for (std::size_t p = block.begin; p < block.end; ++p) {
-        const std::size_t i = p - block.begin;
-        T lost = 0;
-        if (is_intact(p)) {
-          const auto& material = m_.model.materials[points.body[p]];
-          const T stiffness =
-              material.density * material.dilatational_speed() * material.dilatational_speed();
-          const T pressure = points.at(Field::pressure)[p], unseen = pressure - seen.at[1][i];
-          const T ratio = T(1) + points.at(Field::dilation)[p];
-          const T growth = T(options_.pressure_filter) * unseen * ratio / stiffness;
-          // The pressure falls by the share of what is unseen: its mean does the work.
-          const T work = (pressure - T(0.5 * options_.pressure_filter) * unseen) * growth;
-          points.at(Field::dilation)[p] += growth;
-          points.at(Field::energy)[p] += material.density * heat_share * seen.at[0][i] - work;
-          lost = work * material.specific_volume;
-          sum += double(points.at(Field::mass)[p] * (heat_share * seen.at[0][i] + lost));
-        }
-        carried.store(0, i, lost);
-      }
-      if (sum != 0) heat[slot] += sum;
-      map(block, {carried.at[0], carried.at[0], carried.at[0]}, taken);
+      for_each_material(driver_.points(), m_.model.materials.data(), block,
+                        [&](const auto& range, const Material<T>& material) {
+                          const double sum = relax_points(range, block, material, seen, heat_share, lost);
+                          if (sum != 0) heat[slot] += sum;
+                        });
+      if (relaxes) map(block, {lost.at[0], lost.at[0], lost.at[0]}, taken);
     });
-    to_grid(taken, Mirrored::magnitudes);
+    if (relaxes) to_grid(taken, Mirrored::magnitudes);
     for (const double one : heat) m_.state.filtered += one;
+  }
+  // Does so for points of one material in a block. Leaves the energy per mass that the pressure lost; returns
+  // the heat of both.
+  template <class Range>
+  double relax_points(const Range& range, const Block& block, const Material<T>& material,
+                      const Columns<T, 3>& seen, T heat_share, Columns<T, 1>& lost) const {
+    const auto& points = driver_.points();
+    const T stiffness = material.density * material.dilatational_speed() * material.dilatational_speed();
+    const V share = V(T(options_.pressure_filter));
+    V sum = V(0);
+    for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
+      const std::size_t i = p - block.begin;
+      const auto acts = intact(p, n);
+      const auto of_acting = [&](V value) PM_INLINE { return select(acts, value, V(0)); };
+      const V pressure = points.template load<V>(Field::pressure, p, n);
+      const V dilation = points.template load<V>(Field::dilation, p, n);
+      const V unseen = pressure - seen.template load<V>(1, i);
+      const V growth = of_acting(share * unseen * (V(1) + dilation) / V(stiffness));
+      // The pressure falls by the share of what is unseen: its mean does the work.
+      const V work = of_acting((pressure - V(T(0.5)) * share * unseen) * growth);
+      const V heat = of_acting(V(heat_share) * seen.template load<V>(0, i));
+      Pack<V>::store(points.at(Field::dilation) + p, dilation + growth, n);
+      add_energy(p, n, V(material.density) * heat - work);
+      const V loss = work * V(material.specific_volume);
+      sum += points.template load<V>(Field::mass, p, n) * (heat + loss);
+      lost.store(0, i, loss, n);
+    });
+    return sum_of(sum);
   }
   // Adds the heat of the pressures.
   void heat(Momentum<T> taken) {
     driver_.for_each_awake_block([&](int, const Block& block) {
-      const auto& points = driver_.points();
       Columns<T, 3> share;
       gather(block, {taken.data}, share);
-      for (std::size_t p = block.begin; p < block.end; ++p)
-        if (is_intact(p))
-          points.at(Field::energy)[p] +=
-              m_.model.materials[points.body[p]].density * share.at[0][p - block.begin];
+      for_each_material(driver_.points(), m_.model.materials.data(), block,
+                        [&](const auto& range, const Material<T>& material) {
+                          for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
+                            const V gain = V(material.density) * share.template load<V>(0, p - block.begin);
+                            add_energy(p, n, select(intact(p, n), gain, V(0)));
+                          });
+                        });
     });
   }
 
-  bool is_intact(std::size_t p) const { return driver_.points().at(Field::damage)[p] < T(1); }
+  void add_energy(std::size_t p, int n, V more) const {
+    T* const energy = driver_.points().at(Field::energy) + p;
+    Pack<V>::store(energy, Pack<V>::load(energy, n) + more, n);
+  }
+  // Returns which of n points take part.
+  mask_t<V> intact(std::size_t p, int n) const {
+    return driver_.points().template load<V>(Field::damage, p, n) < V(1) && first_lanes<V>(n);
+  }
   void clear(Momentum<T> nodes) const {
     driver_.for_each_line(false,
                           [&](int, std::size_t begin, std::size_t end) { clear_line(nodes, begin, end); });
@@ -178,8 +205,10 @@ class Filter {
   // Adds three numbers per mass of the intact points of a block to the nodes.
   void map(const Block& block, const T* const (&per_mass)[3], Momentum<T> nodes) const {
     Columns<T, 1> mass;
-    for (std::size_t p = block.begin; p < block.end; ++p)
-      mass.store(0, p - block.begin, is_intact(p) ? driver_.points().at(Field::mass)[p] : T(0));
+    for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+      const V own = driver_.points().template load<V>(Field::mass, p, n);
+      mass.store(0, p - block.begin, select(intact(p, n), own, V(0)));
+    });
     const Carried<T> carried{mass.at[0], {per_mass[0], per_mass[1], per_mass[2]}, block.begin};
     driver_.template add_carried<Shape>(block, carried, nodes);
   }

@@ -56,7 +56,7 @@ class Step {
         m_.contact->template find<Shape>(model_, driver_, before, m_.surface(), T(dt()));
         fit(before);
       });
-    m_.timers.time("stress", [&] { volume_.find(before); });
+    m_.timers.time("stress", [&] { volume_.begin(before); });
     return before;
   }
 
