@@ -1,15 +1,14 @@
 // The filter of what the grid cannot see (docs/theory.md, Filters). S interpolates from the nodes to the
 // points, S+ maps to the nodes by mass. What lies in the null space of S+ neither feels the grid nor is felt
 // by it, and stays for ever. Every few steps
-//   v -= (1 - S S+)^m v                     loses the motion of that kind (XPIC, Hammerquist and Nairn 2017),
-//   J += share (p - S S+ p) J/(rho0 c_d^2)  lets such a pressure relax, as sound between points would.
-// What either takes becomes heat of the points around (map_unseen, heat). Points that have failed are free to
-// fly: they neither give to the filter nor take from it.
+//   v -= (1 - S S+)^m v                    loses the motion of that kind (XPIC, Hammerquist and Nairn 2017),
+//   J += share (-dJ/dp) (1 - S S+)^2 p    lets such a pressure relax, as sound between points would.
+// What either takes becomes heat of the points around (map_unseen, heat). Points that are free to fly
+// (connected.hpp) neither give to the filter nor take from it.
 #pragma once
 #include "../motion.hpp"
 #include "../stress.hpp"
-#include "lines.hpp"
-#include "machine.hpp"
+#include "connected.hpp"
 
 namespace pockmark {
 
@@ -20,7 +19,7 @@ class Filter {
 
  public:
   explicit Filter(Machine<Driver>& m)
-      : m_(m), options_(m.model.options), driver_(m.driver), grid_(m.model.grid) {}
+      : m_(m), options_(m.model.options), driver_(m.driver), grid_(m.model.grid), connected_(m) {}
 
   bool is_due() const {
     return options_.filter_interval > 0 && m_.state.cycle > 0 &&
@@ -29,10 +28,12 @@ class Filter {
   // Filters between two steps, when no nodal array is in use. The points are to be mapped anew.
   void run() {
     const Momentum<T> first = m_.momentum(), second = m_.other_momentum(), sum{m_.force().data};
+    connected_.find(first);
     if (options_.filter_order > 0) find_velocity(first, second, sum);
     const T heat_share = map_unseen(first, sum);
-    relax(first, second, heat_share);
-    if (options_.pressure_filter > 0) heat(second);
+    if (options_.pressure_filter > 0) see_rest(first, second);
+    relax(first, sum, heat_share);
+    if (options_.pressure_filter > 0) heat(sum);
     m_.state.is_mapped = false;
   }
 
@@ -105,7 +106,7 @@ class Filter {
       const std::size_t i = p - block.begin;
       const auto v = points.template vector<V>(Field::velocity, p, n), now = seen.template vector<V>(i);
       const auto off = v - now;
-      const auto acts = intact(p, n);
+      const auto acts = connected_.among(p, n);
       const V mass = select(acts, points.template load<V>(Field::mass, p, n), V(0));
       const V unseen = select(acts, V(T(0.5)) * dot(off, off), V(0));
       taken += mass * unseen;
@@ -115,6 +116,27 @@ class Filter {
       points.set_vector(Field::velocity, p, filtered, n);
     });
     return {sum_of(taken), sum_of(kinetic)};
+  }
+  // Adds to the pressure at the nodes what they see of the rest: p - S S+ p. Then the rest of the sum is
+  // (1 - S S+)^2 p, of which a wave that is long has hardly anything.
+  void see_rest(Momentum<T> unseen, Momentum<T> rest) {
+    clear(rest);
+    driver_.scatter([&](int, const Block& block) {
+      Columns<T, 3> seen;
+      gather(block, {unseen.data}, seen);
+      Columns<T, 1> pressure;
+      for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+        const std::size_t i = p - block.begin;
+        const V own = driver_.points().template load<V>(Field::pressure, p, n);
+        pressure.store(0, i, own - seen.template load<V>(1, i));
+      });
+      map(block, {pressure.at[0], pressure.at[0], pressure.at[0]}, rest);
+    });
+    to_grid(rest, Mirrored::magnitudes);
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) unseen[i].v[1] += rest[i].v[0];
+    });
+    constrain(driver_, grid_, m_.model.faces, unseen, Mirrored::magnitudes);
   }
   // Adds the heat of the velocities, relaxes the unseen pressure, and maps the energy per mass that this
   // took.
@@ -142,27 +164,36 @@ class Filter {
   double relax_points(const Range& range, const Block& block, const Material<T>& material,
                       const Columns<T, 3>& seen, T heat_share, Columns<T, 1>& lost) const {
     const auto& points = driver_.points();
-    const T stiffness = material.density * material.dilatational_speed() * material.dilatational_speed();
     const V share = V(T(options_.pressure_filter));
     V sum = V(0);
     for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
       const std::size_t i = p - block.begin;
-      const auto acts = intact(p, n);
+      const auto acts = connected_.among(p, n);
       const auto of_acting = [&](V value) PM_INLINE { return select(acts, value, V(0)); };
-      const V pressure = points.template load<V>(Field::pressure, p, n);
-      const V dilation = points.template load<V>(Field::dilation, p, n);
-      const V unseen = pressure - seen.template load<V>(1, i);
-      const V growth = of_acting(share * unseen * (V(1) + dilation) / V(stiffness));
+      const auto point = points.template state<V>(p, n);
+      const V pressure = point.pressure, unseen = pressure - seen.template load<V>(1, i);
+      const V growth = of_acting(share * unseen * compliance(material, point));
       // The pressure falls by the share of what is unseen: its mean does the work.
       const V work = of_acting((pressure - V(T(0.5)) * share * unseen) * growth);
       const V heat = of_acting(V(heat_share) * seen.template load<V>(0, i));
-      Pack<V>::store(points.at(Field::dilation) + p, dilation + growth, n);
+      Pack<V>::store(points.at(Field::dilation) + p, point.dilation + growth, n);
       add_energy(p, n, V(material.density) * heat - work);
       const V loss = work * V(material.specific_volume);
       sum += points.template load<V>(Field::mass, p, n) * (heat + loss);
       lost.store(0, i, loss, n);
     });
     return sum_of(sum);
+  }
+  // Returns by how much V/V0 falls in a wave that raises the pressure, 1/Pa; 0 where no wave goes.
+  static V compliance(const Material<T>& material, const PointState<V>& point) {
+    const V ratio = point.ratio();
+    const auto change = Compression<V>::of(point.dilation);
+    const auto now =
+        material.eos.visit([&](const auto& eos) PM_INLINE { return eos.at(change, point.energy); });
+    const V shear = V(T(4.0 / 3.0)) * material.shear(conditions_of(point));
+    const V stiffness = max(now.stiffness(point.pressure, ratio), V(0)) + shear;
+    const auto goes = V(0) < stiffness;
+    return select(goes, ratio * ratio / select(goes, stiffness, V(1)), V(0));
   }
   // Adds the heat of the pressures.
   void heat(Momentum<T> taken) {
@@ -173,7 +204,7 @@ class Filter {
                         [&](const auto& range, const Material<T>& material) {
                           for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
                             const V gain = V(material.density) * share.template load<V>(0, p - block.begin);
-                            add_energy(p, n, select(intact(p, n), gain, V(0)));
+                            add_energy(p, n, select(connected_.among(p, n), gain, V(0)));
                           });
                         });
     });
@@ -182,10 +213,6 @@ class Filter {
   void add_energy(std::size_t p, int n, V more) const {
     T* const energy = driver_.points().at(Field::energy) + p;
     Pack<V>::store(energy, Pack<V>::load(energy, n) + more, n);
-  }
-  // Returns which of n points take part.
-  mask_t<V> intact(std::size_t p, int n) const {
-    return driver_.points().template load<V>(Field::damage, p, n) < V(1) && first_lanes<V>(n);
   }
   void clear(Momentum<T> nodes) const {
     driver_.for_each_line(false,
@@ -202,12 +229,12 @@ class Filter {
       patch.load(grid_, bundle, nodes);
     });
   }
-  // Adds three numbers per mass of the intact points of a block to the nodes.
+  // Adds three numbers per mass of the connected points of a block to the nodes.
   void map(const Block& block, const T* const (&per_mass)[3], Momentum<T> nodes) const {
     Columns<T, 1> mass;
     for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
       const V own = driver_.points().template load<V>(Field::mass, p, n);
-      mass.store(0, p - block.begin, select(intact(p, n), own, V(0)));
+      mass.store(0, p - block.begin, select(connected_.among(p, n), own, V(0)));
     });
     const Carried<T> carried{mass.at[0], {per_mass[0], per_mass[1], per_mass[2]}, block.begin};
     driver_.template add_carried<Shape>(block, carried, nodes);
@@ -222,6 +249,7 @@ class Filter {
   const Options& options_;
   Driver& driver_;
   const GridGeometry<T>& grid_;
+  Connected<Driver, Shape> connected_;
 };
 
 }  // namespace pockmark
