@@ -6,6 +6,8 @@
 //   |----o-----|----o--p--|----o-----|     cells 1 and 2 and takes from both
 //
 #pragma once
+#include <cstring>
+
 #include "cells.hpp"
 
 namespace pockmark {
@@ -25,8 +27,9 @@ struct CellStencil<Linear<T>> {
   static constexpr int support = 3, first = -1;
   template <class V>
   PM_HD static void weights(V f, V (&w)[support]) {
-    w[0] = positive_part(V(T(0.5)) - f);
-    w[2] = positive_part(f - V(T(0.5)));
+    const V off = f - V(T(0.5));
+    w[2] = positive_part(off);
+    w[0] = w[2] - off;
     w[1] = V(T(1)) - (w[0] + w[2]);
   }
   template <class V>
@@ -58,128 +61,99 @@ struct CellStencil<Quadratic<T>> {
   }
 };
 
+// Four numbers side by side in memory, which need not lie where a register would.
+template <class T>
+PM_HD Four<T> load_four(const T* at) {
+  Four<T> out;
+  std::memcpy(&out, at, sizeof(out));
+  return out;
+}
+template <class T>
+PM_HD void add_four(T* at, const Four<T>& more) {
+  const Four<T> sum = load_four(at) + more;
+  std::memcpy(at, &sum, sizeof(sum));
+}
+
+// The cells around a bundle: S along each axis, rows along z. With trilinear functions only whole cells
+// count: of one with a node without mass, beside a surface, nothing is known, and the points' own cell stands
+// in for it.
+template <class Shape, class T>
+class CellsAround {
+ public:
+  static constexpr int S = CellStencil<Shape>::support;
+  static constexpr bool whole_only = S == 3;
+  // How far it is in memory to the next cell along x and y, and back to the first of those around a cell.
+  struct Steps {
+    std::size_t x, y, back;
+    PM_HD explicit Steps(const GridGeometry<T>& grid)
+        : x(grid.index(1, 0, 0)), y(grid.index(0, 1, 0)), back(whole_only ? x + y + 1 : 0) {}
+  };
+
+  PM_HD CellsAround(const Cells<T>& cells, const Steps& steps, std::size_t own)
+      : cells_(cells), steps_(steps), own_(own) {}
+
+  // Finds the divergence of the cells that count.
+  PM_HD void find_divergence(Quad<T> (&out)[S][S]) const {
+    for_each_row([&](int i, int j, std::size_t row)
+                     PM_INLINE { out[i][j].v = load_four(cells_.divergence + row); });
+    if (all_count()) return;
+    const T one = cells_.divergence[own_];
+    const Four<T> own{one, one, one, one};
+    for_each_row([&](int i, int j, std::size_t row) PM_INLINE {
+      const auto counts = counting(row);
+      out[i][j].v = counts * out[i][j].v + (own - counts * own);
+    });
+  }
+  // Pushes the cells that count.
+  PM_HD void push(const Quad<T> (&push)[S][S]) const {
+    if (all_count())
+      return for_each_row([&](int i, int j, std::size_t row)
+                              PM_INLINE { add_four(cells_.push + row, push[i][j].v); });
+    Four<T> rest{};
+    for_each_row([&](int i, int j, std::size_t row) PM_INLINE {
+      const auto counted = counting(row) * push[i][j].v;
+      add_four(cells_.push + row, counted);
+      rest += push[i][j].v - counted;
+    });
+    cells_.push[own_] += rest[0] + rest[1] + rest[2];
+  }
+
+ private:
+  // Calls f(i, j, first cell of the row) for each row.
+  template <class F>
+  PM_HD void for_each_row(F&& f) const {
+    const std::size_t first = own_ - steps_.back;
+    for (int i = 0; i < S; ++i)
+      for (int j = 0; j < S; ++j) f(i, j, first + i * steps_.x + j * steps_.y);
+  }
+  // Returns 1 for each cell of a row that counts, or 0.
+  PM_HD Four<T> counting(std::size_t row) const {
+    const std::uint8_t* const whole = cells_.is_whole + row;
+    return Four<T>{T(whole[0]), T(whole[1]), T(whole[2]), T(0)};
+  }
+  PM_HD bool all_count() const { return !whole_only || cells_.is_surrounded[own_]; }
+
+  const Cells<T>& cells_;
+  const Steps& steps_;
+  std::size_t own_;
+};
+
 // The weights of the cells along x, y and z for the points of a block, a column each.
 template <class Shape, class T>
 using CellWeights = Columns<T, 3 * CellStencil<Shape>::support>;
 
-template <class Shape, class V, class T = number_t<V>>
-void find_cell_weights(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
-                       CellWeights<Shape, T>& out) {
-  using Cell = CellStencil<Shape>;
-  constexpr int S = Cell::support;
-  for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
-    const auto f = points.template vector<V>(Field::place, p, n);
-    for (int a = 0; a < 3; ++a) {
-      V w[S];
-      Cell::weights(f[a], w);
-      for (int i = 0; i < S; ++i) out.store(S * a + i, p - block.begin, w[i]);
-    }
-  });
-  if (!grid.is_axisymmetric) return;
+// Fits the weights along x to rings.
+template <class Shape, class T>
+PM_NOINLINE void turn_weights(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                              CellWeights<Shape, T>& weights) {
+  constexpr int S = CellStencil<Shape>::support;
   for_each_bundle(block, [&](const Bundle& bundle) {
     for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
       T w[S];
-      for (int i = 0; i < S; ++i) w[i] = out.load(i, p - block.begin);
-      Cell::turn(points.at(Field::place)[p], T(bundle.base[0] - grid.pad), w);
-      for (int i = 0; i < S; ++i) out.store(i, p - block.begin, w[i]);
+      for (int i = 0; i < S; ++i) w[i] = weights.load(i, p - block.begin);
+      CellStencil<Shape>::turn(points.at(Field::place)[p], T(bundle.base[0] - grid.pad), w);
+      for (int i = 0; i < S; ++i) weights.store(i, p - block.begin, w[i]);
     }
-  });
-}
-
-// The cells around a bundle: S along each axis, rows along z.
-template <class Shape, class T>
-struct CellsAround {
-  static constexpr int S = CellStencil<Shape>::support;
-  // With trilinear functions only whole cells count: of one with a node without mass, beside a surface,
-  // nothing is known, and the points' own cell stands in for it.
-  static constexpr bool whole_only = S == 3;
-  std::size_t row[S][S], own;  // the first cell of each row, the cell of the points
-
-  PM_HD CellsAround(const GridGeometry<T>& grid, const Bundle& bundle) : own(bundle.node) {
-    const std::size_t x = grid.index(1, 0, 0), y = grid.index(0, 1, 0);
-    const std::size_t first = own - (CellStencil<Shape>::first < 0 ? x + y + 1 : 0);
-    for (int i = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j) row[i][j] = first + i * x + j * y;
-  }
-  PM_HD bool all_count(const Cells<T>& cells) const {
-    if (!whole_only) return true;
-    constexpr std::uint8_t three[4]{1, 1, 1, 0};
-    std::uint32_t all, four;
-    std::memcpy(&all, three, sizeof(all));
-    const std::uint32_t whole = all;
-    for (int n = 0; n < S * S; ++n) {
-      std::memcpy(&four, cells.is_whole + row[n / S][n % S], sizeof(four));
-      all &= four;
-    }
-    return all == whole;
-  }
-  // Calls f(cell that counts, i, j, k) for each of them; that may be the points' own.
-  template <class F>
-  PM_HD void for_each_counting(const Cells<T>& cells, F&& f) const {
-    for (int i = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j)
-        for (int k = 0; k < S; ++k) f(cells.is_whole[row[i][j] + k] ? row[i][j] + k : own, i, j, k);
-  }
-};
-
-// Finds the divergence of the cells that count around a bundle.
-template <class Shape, class T, int S>
-PM_NOINLINE void find_counting(const CellsAround<Shape, T>& around, const Cells<T>& cells,
-                               T (&out)[S][S][S]) {
-  around.for_each_counting(
-      cells, [&](std::size_t cell, int i, int j, int k) { out[i][j][k] = cells.divergence[cell]; });
-}
-// Pushes the cells that count around a bundle.
-template <class Shape, class T, int S>
-PM_NOINLINE void push_counting(const CellsAround<Shape, T>& around, const Cells<T>& cells,
-                               const Quad<T> (&push)[S][S]) {
-  around.for_each_counting(
-      cells, [&](std::size_t cell, int i, int j, int k) { cells.push[cell] += push[i][j].v[k]; });
-}
-
-// Adds to four numbers in memory, which need not lie where a register would.
-template <class T>
-PM_HD void add_four(T* at, const Quad<T>& more) {
-  Four<T> sum;
-  std::memcpy(&sum, at, sizeof(sum));
-  sum += more.v;
-  std::memcpy(at, &sum, sizeof(sum));
-}
-
-// Finds the divergence that cells give to the points of a block.
-template <class Shape, class V, class T = number_t<V>>
-void gather_divergence(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
-                       const Cells<T>& cells, Columns<T, 1>& out) {
-  using Cell = CellStencil<Shape>;
-  using R = bundle_pack_t<V>;
-  constexpr int S = Cell::support;
-  for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
-    const CellsAround<Shape, T> around(grid, bundle);
-    const T* row[S][S];
-    T counting[S][S][S];
-    const bool all_count = around.all_count(cells);
-    if (!all_count) find_counting(around, cells, counting);
-    for (int i = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j)
-        row[i][j] = all_count ? cells.divergence + around.row[i][j] : counting[i][j];
-    for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
-      const auto f = points.template vector<R>(Field::place, p, n);
-      R x[S], y[S], z[S], sum = R(T(0));
-      Cell::weights(f.x, x);
-      Cell::weights(f.y, y);
-      Cell::weights(f.z, z);
-      if (grid.is_axisymmetric) Cell::turn(f.x, T(bundle.base[0] - grid.pad), x);
-      for (int i = 0; i < S; ++i) {
-        R plane = R(T(0));
-        for (int j = 0; j < S; ++j) {
-          R line = R(T(0));
-          for (int k = 0; k < S; ++k) line += z[k] * R(row[i][j][k]);
-          plane += y[j] * line;
-        }
-        sum += x[i] * plane;
-      }
-      out.store(0, p - block.begin, sum);
-    });
   });
 }
 
@@ -188,16 +162,23 @@ void gather_divergence(const Points<T>& points, const GridGeometry<T>& grid, con
 template <class Shape, class V, class T = number_t<V>>
 void move_mean_to_cells(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                         Columns<T, 6>& push, const Cells<T>& cells) {
-  constexpr int S = CellStencil<Shape>::support;
-  CellWeights<Shape, T> weights;
-  find_cell_weights<Shape, V>(points, grid, block, weights);
-  for_each_pack<V>(block, [&](std::size_t p, int) PM_INLINE {
+  using Cell = CellStencil<Shape>;
+  constexpr int S = Cell::support;
+  CellWeights<Shape, T> weights;  // those along z times the mean stress
+  for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
     const std::size_t at = p - block.begin;
     const auto s = [&](int c) PM_INLINE { return push.template load<V>(c, at); };
     const V mean = V(T(1.0 / 3.0)) * (s(0) + s(1) + s(2));
     for (int c = 0; c < 3; ++c) push.store(c, at, s(c) - mean);
-    for (int c = 2 * S; c < 3 * S; ++c) weights.store(c, at, mean * weights.template load<V>(c, at));
+    const auto f = points.template vector<V>(Field::place, p, n);
+    for (int a = 0; a < 3; ++a) {
+      V w[S];
+      Cell::weights(f[a], w);
+      for (int i = 0; i < S; ++i) weights.store(S * a + i, at, a < 2 ? w[i] : mean * w[i]);
+    }
   });
+  if (grid.is_axisymmetric) turn_weights<Shape>(points, grid, block, weights);
+  const typename CellsAround<Shape, T>::Steps steps(grid);
   for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
     Quad<T> sum[S][S];
     for (std::size_t p = bundle.begin - block.begin; p < bundle.end - block.begin; ++p) {
@@ -208,30 +189,72 @@ void move_mean_to_cells(const Points<T>& points, const GridGeometry<T>& grid, co
         for (int i = 0; i < S; ++i) sum[i][j].v += weights.at[i][p] * row;
       }
     }
-    const CellsAround<Shape, T> around(grid, bundle);
-    if (!around.all_count(cells)) return push_counting(around, cells, sum);
-    for (int i = 0; i < S; ++i)
-      for (int j = 0; j < S; ++j) add_four(cells.push + around.row[i][j], sum[i][j]);
+    CellsAround<Shape, T>(cells, steps, bundle.node).push(sum);
   });
 }
 
 // Where gather_strain takes the trace of a strain from: the points' own gradient, or the divergence that
-// cells give.
+// cells give. around(bundle).replace_trace(strain, place) puts it there.
 struct OwnVolume {
+  PM_HD OwnVolume around(const Bundle&) const { return {}; }
   template <class V>
-  PM_HD void replace_trace(Sym3<V>&, std::size_t) const {}
+  PM_HD void replace_trace(Sym3<V>&, const Vec3<V>&) const {}
 };
-template <class T>
-struct CellVolume {
-  const Columns<T, 1>& divergence;
-  T dt;
-  template <class V>
-  PM_HD void replace_trace(Sym3<V>& strain, std::size_t i) const {
-    const V more = V(T(1.0 / 3.0)) * (V(dt) * divergence.template load<V>(0, i) - trace(strain));
-    strain.xx += more;
-    strain.yy += more;
-    strain.zz += more;
-  }
+template <class Shape, class T>
+class CellVolume {
+  using Cell = CellStencil<Shape>;
+  static constexpr int S = Cell::support;
+
+ public:
+  PM_HD CellVolume(const GridGeometry<T>& grid, const Cells<T>& cells, T dt)
+      : grid_(grid), cells_(cells), steps_(grid), dt_(dt) {}
+
+  class Around {
+   public:
+    PM_HD Around(const CellVolume& of, const Bundle& bundle)
+        : dt_(of.dt_), inner_(T(bundle.base[0] - of.grid_.pad)), is_axisymmetric_(of.grid_.is_axisymmetric) {
+      CellsAround<Shape, T>(of.cells_, of.steps_, bundle.node).find_divergence(divergence_);
+    }
+    template <class V>
+    PM_HD void replace_trace(Sym3<V>& strain, const Vec3<V>& f) const {
+      const V more = V(T(1.0 / 3.0)) * (V(dt_) * divergence(f) - trace(strain));
+      strain.xx += more;
+      strain.yy += more;
+      strain.zz += more;
+    }
+
+   private:
+    template <class V>
+    PM_HD V divergence(const Vec3<V>& f) const {
+      V x[S], y[S], z[S], sum;
+      Cell::weights(f.x, x);
+      Cell::weights(f.y, y);
+      Cell::weights(f.z, z);
+      if (is_axisymmetric_) Cell::turn(f.x, inner_, x);
+      for (int i = 0; i < S; ++i) {
+        V plane;
+        for (int j = 0; j < S; ++j) {
+          const auto& row = divergence_[i][j].v;
+          V line = z[0] * V(row[0]);
+          for (int k = 1; k < S; ++k) line += z[k] * V(row[k]);
+          plane = j == 0 ? y[0] * line : plane + y[j] * line;
+        }
+        sum = i == 0 ? x[0] * plane : sum + x[i] * plane;
+      }
+      return sum;
+    }
+
+    Quad<T> divergence_[S][S];
+    T dt_, inner_;
+    bool is_axisymmetric_;
+  };
+  PM_HD Around around(const Bundle& bundle) const { return {*this, bundle}; }
+
+ private:
+  const GridGeometry<T>& grid_;
+  const Cells<T>& cells_;
+  typename CellsAround<Shape, T>::Steps steps_;
+  T dt_;
 };
 
 }  // namespace pockmark

@@ -133,8 +133,8 @@ struct StressUpdate {
     const auto yields = active && V(0) < plastic;
     const V flow = effective(point.deviator);
     const auto acts = yields || breaks(point, active);
-    const Loading<V> loading{plastic, plastic * (T(1) / step), -point.pressure,
-                             flow,    point.temperature,       point.damage};
+    const Loading<V> loading{
+        plastic, plastic * (T(1) / step), -point.pressure, flow, point.temperature, point.damage, V(cell)};
     const auto damage = material.failure.visit([&](const auto& f) { return f.step(loading); });
     const bool may_fail = material.failure.visit([](const auto& f) { return f.may_fail; });
     point.damage = select(acts, max(point.damage + damage.increment, V(0)), point.damage);

@@ -58,6 +58,8 @@ concept IsDriver = requires(D d, const GridGeometry<T>& grid, std::size_t count,
   // first one. It says whether sums over points may now have another order, or other points be awake.
   d.sort(n);
   { d.arrange(n, is_so) } -> std::same_as<bool>;
+  // To be called where points may move or be strained between two steps.
+  d.rouse();
   d.wake();
 };
 

@@ -9,9 +9,11 @@
 // do: what little mass lies in them may lie so close together that no gradient can be told.
 #pragma once
 #include <algorithm>
+#include <bit>
 
 #include "boundary.hpp"
 #include "interpolant.hpp"
+#include "lever_marks.hpp"
 
 namespace pockmark {
 
@@ -25,23 +27,20 @@ struct Rows {
 };
 
 // What it takes. The fourth number of a lever is the mass of the node, of a cell's second row that of the
-// cell. A cell without mass has no say.
+// cell. A cell without mass has no say. Only what is marked is ever set or read: levers and sums of nodes in
+// ring 3, masses and rows of cells in ring 2.
 template <class T>
 struct Levers {
   NodeField<T, Nodal::lever> at;  // from the mass centre to the node, in cells; then what gradients multiply
   Rows<T> cells, nodes;
+  LeverMarks<T> marks;
 
   PM_HD T& mass(std::size_t cell) const { return cells.at[1][cell].v[3]; }
-  void clear(std::size_t begin, std::size_t end) const {
-    std::fill(at.data + begin, at.data + end, Quad<T>{});
-    for (const Rows<T>* rows : {&cells, &nodes})
-      for (const auto& row : rows->at) std::fill(row.data + begin, row.data + end, Quad<T>{});
-  }
 };
 
 // Mass centres that span less than this share of the space of their cells lie near a plane, a row or one
-// place and tell no gradient: the velocity stays where it is. At corners of bodies the share falls to .2;
-// with a hundredth as the least, fragments of an impact are strained ever faster.
+// place and tell no gradient: the velocity stays where it is. At corners of blocks the share lies between .1
+// and .3; with a hundredth as the least, fragments of an impact are strained ever faster.
 template <class T>
 inline constexpr T least_span = T(0.1);
 
@@ -89,92 +88,99 @@ struct Three {
   }
 };
 
-// The nodes of a line, from one to before another of the same row, and the cells that begin at them.
+// What is done to a line of nodes and cells.
 template <class T>
 class LeverLine {
  public:
-  LeverLine(const GridGeometry<T>& grid, const Levers<T>& levers, std::size_t begin, std::size_t end)
-      : levers_(levers), begin_(begin), end_(end), x_(grid.index(1, 0, 0)), y_(grid.index(0, 1, 0)) {
-    int first[3];
-    grid.split(begin, first);
-    is_first_plane_ = first[0] == 0;
-    if (first[0] + 1 == grid.nodes(0) || first[1] + 1 == grid.nodes(1)) return;  // no cell begins here
-    end_of_cells_ = std::min(end, begin + std::size_t(grid.nodes(2) - 1 - first[2]));
-  }
+  LeverLine(const Levers<T>& levers, const Line<T>& line)
+      : levers_(levers), marks_(levers.marks), line_(line) {}
 
+  // Forgets the moments of the last step.
+  void clear() const {
+    for_each_node(3, [&](std::size_t node) { levers_.at[node] = {}; });
+    for_each_cell(2, [&](std::size_t cell) { levers_.mass(cell) = T(0); });
+  }
   // Turns moments into levers.
   void find_levers() const {
-    for (std::size_t node = begin_; node < end_; ++node) {
+    for_each_node(3, [&](std::size_t node) {
       auto& at = levers_.at[node];
       at.set_vector(at.v[3] > least_mass<T> ? (T(-1) / at.v[3]) * at.vector() : Vec3<T>{});
-    }
+    });
   }
   // Finds the slopes of the place of the mass centres in the cells, times the mass of the cell: the unit
   // matrix where they lie at the nodes. The fourth number of the first row is the mass.
   void find_spans() const {
-    for_each_cell([&](std::size_t cell) {
+    for_each_cell(2, [&](std::size_t cell) {
       const T mass = levers_.mass(cell);
+      if (!(mass > T(0))) marks_.cells[2][cell] = 0;
       set_slopes(cell, -mass, levers_.at.data);
       for (int r = 0; r < 3; ++r) levers_.cells.at[r][cell].v[r] += mass;
       levers_.cells.at[0][cell].v[3] = mass;
     });
   }
+  // Finds which cells around each node have mass.
+  void look_around() const {
+    for_each_node(3, [&](std::size_t node) {
+      unsigned bits = 0;
+      for (int i = 0; i < 8; ++i)
+        if (line_.corner(i) <= node) bits |= unsigned(marks_.cells[2][node - line_.corner(i)]) << i;
+      marks_.around[node] = std::uint8_t(bits);
+    });
+  }
   // Ends with what a lever is to be multiplied with: the inverse of the mean of these slopes.
   void divide_by_spans() const {
-    for (std::size_t node = begin_; node < end_; ++node) {
-      T weight;
-      const auto span = sum_around(node, weight);
+    for_each_node(3, [&](std::size_t node) {
       auto& at = levers_.at[node];
-      const bool tells = span.determinant() > least_span<T> * weight * weight * weight;
-      at.set_vector(tells ? span.solve(at.vector()) : Vec3<T>{});
-    }
+      at.set_vector(marks_.nodes[1][node] ? per_span(node, at.vector()) : Vec3<T>{});
+    });
   }
 
   // Finds the velocity gradients of the cells, times their mass.
   void find_gradients(Velocity<T> velocity) const {
-    for_each_cell([&](std::size_t cell) { set_slopes(cell, levers_.mass(cell), velocity.data); });
+    for_each_cell(2, [&](std::size_t cell) { set_slopes(cell, levers_.mass(cell), velocity.data); });
   }
   // Finds what forces do to the gradients.
   void find_moments(Force<T> force) const {
-    for_each_cell([&](std::size_t cell) {
+    for_each_cell(2, [&](std::size_t cell) {
       Quad<T> sum[3];
       for (int i = 0; i < 8; ++i) {
-        const std::size_t node = cell + corner(i);
+        const std::size_t node = cell + line_.corner(i);
         for (int r = 0; r < 3; ++r) add_scaled(sum[r], force[node].v[r], levers_.at[node]);
       }
       for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, sum[r].vector());
     });
   }
-  // Adds up what the cells around each node have; then what the nodes of each cell have.
+  // Adds up what the cells around each node have; then what the nodes of each cell have. The nodes of the
+  // last ring have nothing of their own to give.
   void spread() const {
-    for (std::size_t node = begin_; node < end_; ++node) {
+    for_each_node(3, [&](std::size_t node) {
       Quad<T> sum[3];
-      add_around(node, sum);
+      if (marks_.nodes[2][node]) add_around(node, sum);
       for (int r = 0; r < 3; ++r) levers_.nodes.at[r][node] = sum[r];
-    }
+    });
   }
-  void gather() const {
-    for_each_cell([&](std::size_t cell) {
+  void gather(int ring) const {
+    for_each_cell(ring, [&](std::size_t cell) {
       Quad<T> sum[3];
       for (int i = 0; i < 8; ++i)
-        for (int r = 0; r < 3; ++r) sum[r] += levers_.nodes.at[r][cell + corner(i)];
+        for (int r = 0; r < 3; ++r) sum[r] += levers_.nodes.at[r][cell + line_.corner(i)];
       for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, sum[r].vector());
       levers_.cells.at[0][cell].v[3] = sum[0].v[3];
     });
   }
   // Carries a velocity to the nodes, with the gradients around.
   void carry(Velocity<T> from, Velocity<T> to) const {
-    for (std::size_t node = begin_; node < end_; ++node) {
-      Quad<T> rows[3], v = from[node];
+    std::copy(from.data + line_.begin, from.data + line_.end, to.data + line_.begin);
+    for_each_node(1, [&](std::size_t node) {
+      Quad<T> rows[3];
       add_around(node, rows);
       const auto lever = levers_.at[node].vector();
-      for (int r = 0; r < 3; ++r) v.v[r] += dot(rows[r].vector(), lever);
-      to[node] = v;
-    }
+      for (int r = 0; r < 3; ++r) to[node].v[r] += dot(rows[r].vector(), lever);
+    });
   }
   // Adds what moments of the cells, times their mass, are as forces.
   void carry_back(Force<T> force) const {
-    for (std::size_t node = begin_; node < end_; ++node) {
+    for_each_node(3, [&](std::size_t node) {
       Vec3<T> sum{};
       for_each_cell_around(node, [&](std::size_t cell, int i) {
         const T share = T(0.25) * levers_.mass(cell);
@@ -182,25 +188,26 @@ class LeverLine {
         for (int r = 0; r < 3; ++r) sum[r] += dot(levers_.cells.row(cell, r), slope);
       });
       force[node].set_vector(force[node].vector() + sum);
-    }
+    });
   }
 
  private:
-  // Corner i of a cell lies at the upper end of the axes whose bits it has: 4 x, 2 y, 1 z.
-  std::size_t corner(int i) const { return (i & 4 ? x_ : 0) + (i & 2 ? y_ : 0) + (i & 1); }
   static T side(int i, int bit) { return i & bit ? T(1) : T(-1); }
 
   template <class F>
-  void for_each_cell(F&& f) const {
-    for (std::size_t cell = begin_; cell < end_of_cells_; ++cell) f(cell);
+  void for_each_node(int ring, F&& f) const {
+    for_each_marked(marks_.nodes[ring], line_.begin, line_.end, f);
+  }
+  template <class F>
+  void for_each_cell(int ring, F&& f) const {
+    for_each_marked(marks_.cells[ring], line_.begin, line_.end_of_cells, f);
   }
   // Calls f(cell, i) for the cells with mass of which a node is corner i.
   template <class F>
   void for_each_cell_around(std::size_t node, F&& f) const {
-    for (int i = 0; i < (is_first_plane_ ? 4 : 8); ++i) {
-      if (corner(i) > node) continue;
-      const std::size_t cell = node - corner(i);
-      if (levers_.mass(cell) > T(0)) f(cell, i);
+    for (unsigned bits = marks_.around[node]; bits != 0; bits &= bits - 1) {
+      const int i = std::countr_zero(bits);
+      f(node - line_.corner(i), i);
     }
   }
   void add_around(std::size_t node, Quad<T> (&sum)[3]) const {
@@ -208,19 +215,19 @@ class LeverLine {
       for (int r = 0; r < 3; ++r) sum[r] += levers_.cells.at[r][cell];
     });
   }
-  Three<T> sum_around(std::size_t node, T& weight) const {
+  Vec3<T> per_span(std::size_t node, const Vec3<T>& lever) const {
     Quad<T> sum[3];
     add_around(node, sum);
-    Three<T> out;
+    Three<T> span;
     for (int r = 0; r < 3; ++r)
-      for (int a = 0; a < 3; ++a) out.at[r][a] = sum[r].v[a];
-    weight = sum[0].v[3];
-    return out;
+      for (int a = 0; a < 3; ++a) span.at[r][a] = sum[r].v[a];
+    const T weight = sum[0].v[3];
+    return span.determinant() > least_span<T> * weight * weight * weight ? span.solve(lever) : Vec3<T>{};
   }
 
   // Sets the rows of a cell to the mean slopes, per cell, of a nodal vector, times a factor.
   void set_slopes(std::size_t cell, T factor, const Quad<T>* nodes) const {
-    const auto at = [&](int i) -> const Four<T>& { return nodes[cell + corner(i)].v; };
+    const auto at = [&](int i) -> const Four<T>& { return nodes[cell + line_.corner(i)].v; };
     const auto a = at(0), b = at(1), c = at(2), d = at(3), e = at(4), f = at(5), g = at(6), h = at(7);
     const auto x = (e + f + g + h) - (a + b + c + d), y = (c + d + g + h) - (a + b + e + f),
                z = (b + d + f + h) - (a + c + e + g);
@@ -229,8 +236,8 @@ class LeverLine {
   }
 
   const Levers<T>& levers_;
-  std::size_t begin_, end_, end_of_cells_ = 0, x_, y_;
-  bool is_first_plane_ = false;
+  const LeverMarks<T>& marks_;
+  const Line<T>& line_;
 };
 
 // What a mirror does to the rows of a cell: r is a component of what is mirrored, as `face` does it, a an

@@ -14,6 +14,20 @@
 
 namespace pockmark {
 
+// Returns what there is, as if it were new: in a loop over packs its numbers then come from memory in each
+// turn, where they fill all lanes at no cost. A compiler would fill registers with them ahead of the loop,
+// more than there are, for a loop of one or two turns.
+template <class T>
+PM_HD const T& anew(const T& what) {
+#ifdef __CUDACC__
+  return what;
+#else
+  const T* at = &what;
+  asm volatile("" : "+r"(at) : "m"(what));
+  return *at;
+#endif
+}
+
 // Four numbers that are added and scaled as one.
 #ifdef __CUDACC__
 template <class T>
@@ -25,12 +39,17 @@ struct Four {
     for (int i = 0; i < 4; ++i) n[i] += b.n[i];
     return *this;
   }
+  PM_HD friend Four operator+(Four a, const Four& b) { return a += b; }
   PM_HD friend Four operator-(Four a, const Four& b) {
     for (int i = 0; i < 4; ++i) a.n[i] -= b.n[i];
     return a;
   }
   PM_HD friend Four operator*(T f, Four a) {
     for (int i = 0; i < 4; ++i) a.n[i] *= f;
+    return a;
+  }
+  PM_HD friend Four operator*(Four a, const Four& b) {
+    for (int i = 0; i < 4; ++i) a.n[i] *= b.n[i];
     return a;
   }
 };

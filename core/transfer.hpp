@@ -37,16 +37,17 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
     patch.load(grid, bundle, velocity);
     patch.scale(T(0.5) * dt * grid.per_metre);
     const Interpolant<Shape, T> displacement(patch);
+    const auto around = volume.around(bundle);
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
       Hints::template before<Pass::gradient>(points, p);
       R d[3][3];  // dt/2 d v_c / d x_a
       const auto f = points.template vector<R>(Field::place, p, n);
-      displacement.slopes(f, d);
+      anew(displacement).slopes(f, d);
       if (grid.is_axisymmetric) d[1][1] = hoop_rate(grid, bundle, patch, f);
       Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
                     d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
-      volume.replace_trace(small, p - block.begin);
+      anew(around).replace_trace(small, f);
       const Vec3<R> turn{d[2][1] - d[1][2], d[0][2] - d[2][0], d[1][0] - d[0][1]};
       store_strain(out, p - block.begin, Strain<R>(small, R(T(0.5)) * turn));
     });
@@ -62,7 +63,7 @@ void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& o
     const Interpolant<Shape, T> field(patch);
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
-      const auto v = field.value(points.template vector<R>(Field::place, p, n));
+      const auto v = anew(field).value(points.template vector<R>(Field::place, p, n));
       for (int c = 0; c < 3; ++c) out.store(c, p - block.begin, v[c]);
     });
   });

@@ -96,8 +96,8 @@ inline NumPy<double> elementary(const std::string& name, Doubles x, double n, bo
 
 inline NumPy<double> failure_at(const MaterialSpec& spec, Rows rows) {
   const auto material = spec.as<double>();
-  return by_rows<6, 3>(rows, [&](const double* in, double* out) {
-    const Loading<double> loading{in[0], in[1], in[2], in[3], in[4], in[5]};
+  return by_rows<7, 3>(rows, [&](const double* in, double* out) {
+    const Loading<double> loading{in[0], in[1], in[2], in[3], in[4], in[5], in[6]};
     const auto damage = material.failure.visit([&](const auto& law) { return law.step(loading); });
     out[0] = damage.increment;
     out[1] = damage.treated;
@@ -119,5 +119,5 @@ NB_MODULE(POCKMARK_MODULE, m) {
         "without "
         "plastic strain, for rows of plastic strain increment, its rate, mean and effective stress, "
         "temperature, "
-        "damage.");
+        "damage, and cell.");
 }

@@ -21,7 +21,8 @@ class Driver {
   using Hints = Prefetch<Pack<V>::width>;
   static constexpr const char* name = "cpu";
 
-  Driver(int threads, bool sleeps) : threads_(threads), may_sleep_(sleeps) {}
+  // `far`: whether a step moves points farther off than a tile (Tiles::send_to_sleep).
+  Driver(int threads, bool sleeps, bool far) : threads_(threads), may_sleep_(sleeps), far_(far) {}
 
   void allocate(const GridGeometry<T>& grid, int arrays) {
     grid_ = grid;
@@ -102,8 +103,9 @@ class Driver {
     disorder_ += std::max(std::int64_t(tiles_.bundle_count()) - sorted_bundles_, std::int64_t(0));
     const bool sorts = points_per_bundle_cost * disorder_ > std::int64_t(points_.count) || !tiles_.hold();
     if (sorts) sort(support);
-    return (may_sleep_ && tiles_.send_to_sleep(is_start, [&](int tile) { return rests(tile); })) || sorts;
+    return send_to_sleep(is_start) || sorts;
   }
+  void rouse() { send_to_sleep(false); }
   void wake() { tiles_.wake(); }
 
   // See Machine::for_each_part.
@@ -143,6 +145,9 @@ class Driver {
   static constexpr std::int64_t points_per_bundle_cost =
       3;  // what a bundle costs in a step, in points sorted
 
+  bool send_to_sleep(bool is_start) {
+    return may_sleep_ && tiles_.send_to_sleep(is_start, far_, [&](int tile) { return rests(tile); });
+  }
   bool rests(int tile) const {
     bool all = true;
     tiles_.for_each_block(tile,
@@ -151,7 +156,7 @@ class Driver {
   }
 
   int threads_;
-  bool may_sleep_;
+  bool may_sleep_, far_;
   GridGeometry<T> grid_;
   PointStore<T> store_;
   Points<T> points_{};

@@ -102,17 +102,20 @@ class Tiles {
     return std::none_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.astray; });
   }
 
-  // A tile sleeps while its points and those of its neighbours rest: no node that it touches can move. Asks
-  // rests(tile) of the tiles that have rested until now, of all at the start. Returns whether one fell asleep
-  // or woke.
+  // A tile sleeps while its points and those of its neighbours rest: no node that it touches can move. Where
+  // velocities are carried to the nodes (levers.hpp) what moves before a step does so up to nine planes or
+  // rows farther after it, by levers that take the points of three more: `far` asks it of the neighbours up
+  // to three planes of tiles and two rows. Asks rests(tile) of the tiles that have rested until now, of all
+  // at the start. Returns whether one fell asleep or woke.
   template <class F>
-  bool send_to_sleep(bool start, F&& rests) {
+  bool send_to_sleep(bool start, bool far, F&& rests) {
     bool changed = false;
     for (int t = 0; t < count(); ++t)
       if (start || (tiles_[t].rests && !tiles_[t].sleeps)) tiles_[t].rests = rests(t);
     for (int t = 0; t < count(); ++t) {
       bool all = true;
-      tiling_.for_each_neighbour(t, [&](int u) { all = all && tiles_[u].rests; });
+      const auto ask = [&](int u) { all = all && tiles_[u].rests; };
+      tiling_.for_each_neighbour(t, ask, far ? 3 : 1, far ? 2 : 1);
       changed = changed || tiles_[t].sleeps != all;
       tiles_[t].sleeps = all;
     }

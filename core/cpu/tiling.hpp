@@ -49,12 +49,12 @@ struct Tiling {
     for (int i = first_plane(t); i < end_plane(t); ++i)
       for (int j = first_row(t); j < end_row(t); ++j) f(i, j);
   }
-  // Calls f(tile) for tile t and those around it.
+  // Calls f(tile) for tile t and those around it, up to some along x and along y.
   template <class F>
-  void for_each_neighbour(int t, F&& f) const {
+  void for_each_neighbour(int t, F&& f, int x = 1, int y = 1) const {
     const int a = t / across, b = t % across;
-    for (int i = std::max(a - 1, 0); i <= std::min(a + 1, along - 1); ++i)
-      for (int j = std::max(b - 1, 0); j <= std::min(b + 1, across - 1); ++j) f(i * across + j);
+    for (int i = std::max(a - x, 0); i <= std::min(a + x, along - 1); ++i)
+      for (int j = std::max(b - y, 0); j <= std::min(b + y, across - 1); ++j) f(i * across + j);
   }
 };
 

@@ -14,6 +14,7 @@ struct Loading {
   V strain_increment, rate;  // plastic
   V mean_stress;             // positive in tension
   V effective_stress, temperature, damage;
+  V cell;  // of the grid, m: the layer in which strain without a length of its own gathers is as thick
 };
 
 template <class V>

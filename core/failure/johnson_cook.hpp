@@ -1,7 +1,10 @@
 // Johnson-Cook failure: Liu et al. 2015, Eqs. 17-18 (its last factor is 1 + D5 T*); Johnson and Cook 1985.
-//   eps_f = (D1 + D2 exp(D3 sigma*)) (1 + D4 ln max(rate/rate0, 1)) (1 + D5 T*),  dD = d eps / eps_f
-// With the paper's constants eps_f <= 0 above a triaxiality of 1.3467. What happens there decides the crater,
-// so it is an explicit choice of the material: Treatment.
+//   eps_f = (D1 + D2 exp(D3 sigma*)) (1 + D4 ln max(rate/rate0, 1)) (1 + D5 T*),  dD = d eps / (eps_f + u/h)
+// The displacement u is 0 in the paper. Strain that softens gathers in a layer one cell thick, which then
+// fails after a slip of eps_f h: nothing, in the limit. With u its sides slip by u more, whatever the cell h,
+// and the work that parts them is a material's own (Hillerborg 1976). With the paper's constants eps_f <= 0
+// above a triaxiality of 1.3467. What happens there decides the crater, so it is an explicit choice of the
+// material: Treatment.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -38,19 +41,21 @@ inline constexpr std::array johnson_cook_failure_constants{
     Constant{"triaxiality_min", "", -100, 100, "least triaxiality, with treatment clamp_triaxiality", -1.5},
     Constant{"triaxiality_max", "", -100, 100, "largest triaxiality, with treatment clamp_triaxiality",
              1.0 / 3.0, "triaxiality_min"},
+    Constant{"displacement", "m", 0, 1,
+             "slip of a layer as thick as a cell before it fails, beyond its failure strain", 0},
 };
 
 template <class T>
 struct JohnsonCookFailure {
   static constexpr Declaration declaration{
       "johnson-cook", "plastic strain over a failure strain by triaxiality, rate and temperature",
-      "e_f = (D1 + D2 exp(D3 sigma*))(1 + D4 ln max(rate/rate0, 1))(1 + D5 T*), dD = de/e_f",
+      "e_f = (D1 + D2 exp(D3 sigma*))(1 + D4 ln max(rate/rate0, 1))(1 + D5 T*), dD = de/(e_f + u/h)",
       "Johnson and Cook 1985; Liu et al. 2015, Eqs. 17-18, corrected", johnson_cook_failure_constants};
   static constexpr bool may_fail = true, needs_flow = true;
   T D1, D2, D3, D4, D5, reference_rate;
   HomologousTemperature<T> homologous;
   FailureTreatment treatment;
-  T floor, triaxiality_min, triaxiality_max;
+  T floor, triaxiality_min, triaxiality_max, displacement;
 
   JohnsonCookFailure() = default;
   explicit JohnsonCookFailure(const Constants& given)
@@ -64,7 +69,8 @@ struct JohnsonCookFailure {
         treatment(FailureTreatment(int(given["treatment"]))),
         floor(T(given["floor"])),
         triaxiality_min(T(given["triaxiality_min"])),
-        triaxiality_max(T(given["triaxiality_max"])) {}
+        triaxiality_max(T(given["triaxiality_max"])),
+        displacement(T(given["displacement"])) {}
 
   // Says why the law never acts; nothing where it does. A negative factor turns the sign of the others.
   std::string fault() const {
@@ -103,6 +109,7 @@ struct JohnsonCookFailure {
     }
     const auto negative = strain < V(0), positive = V(0) < strain;
     const auto counts = treatment == FailureTreatment::signed_damage ? positive || negative : positive;
+    strain += select(positive, V(displacement) / at.cell, V(0));
     return {select(counts, at.strain_increment / select(counts, strain, V(1)), V(0)), treated || !positive};
   }
 

@@ -1,14 +1,14 @@
 // The filter of what the grid cannot see (docs/theory.md, Filters). S interpolates from the nodes to the
 // points, S+ maps to the nodes by mass. What lies in the null space of S+ neither feels the grid nor is felt
 // by it, and stays for ever. Every few steps
-//   v -= (1 - S S+)^m v                     loses the motion of that kind (XPIC, Hammerquist and Nairn 2017),
-//   J += share (p - S S+ p) J/(rho0 c_d^2)  lets such a pressure relax, as sound between points would.
-// What either takes becomes heat of the points around (map_unseen, heat). Points that have failed are free to
-// fly: they neither give to the filter nor take from it.
+//   v -= (1 - S S+)^m v                    loses the motion of that kind (XPIC, Hammerquist and Nairn 2017),
+//   J += share (-dJ/dp) (1 - S S+)^2 p    lets such a pressure relax, as sound between points would.
+// What either takes becomes heat of the points around (map_unseen, heat). Points that are free to fly
+// (connected.hpp) neither give to the filter nor take from it.
 #pragma once
 #include "../motion.hpp"
-#include "lines.hpp"
-#include "machine.hpp"
+#include "../stress.hpp"
+#include "connected.hpp"
 #include "node_velocity.hpp"
 
 namespace pockmark {
@@ -20,7 +20,12 @@ class Filter {
 
  public:
   explicit Filter(Machine<Driver>& m)
-      : m_(m), options_(m.model.options), driver_(m.driver), grid_(m.model.grid), at_nodes_(m) {}
+      : m_(m),
+        options_(m.model.options),
+        driver_(m.driver),
+        grid_(m.model.grid),
+        connected_(m),
+        at_nodes_(m) {}
 
   bool is_due() const {
     return options_.filter_interval > 0 && m_.state.cycle > 0 &&
@@ -29,10 +34,12 @@ class Filter {
   // Filters between two steps, when no nodal array is in use. The points are to be mapped anew.
   void run() {
     const Momentum<T> first = m_.momentum(), second = m_.other_momentum(), sum{m_.force().data};
+    connected_.find(first);
     if (options_.filter_order > 0) find_velocity(first, second, sum);
     const T heat_share = map_unseen(first, sum);
-    relax(first, second, heat_share);
-    heat(second);
+    if (options_.pressure_filter > 0) see_rest(first, second);
+    relax(first, sum, heat_share);
+    if (options_.pressure_filter > 0) heat(sum);
     m_.state.is_mapped = false;
   }
 
@@ -55,10 +62,11 @@ class Filter {
     clear(sum);
     if (!at_nodes_.is_linear()) return add_series(first, second, sum);
     at_nodes_.clear();
-    at_nodes_.find([&](std::size_t p) { return is_intact(p) ? driver_.points().at(Field::mass)[p] : T(0); });
     map_rest(sum, first);
-    const auto carried = at_nodes_.of(to_grid(first, Mirrored::vector));
-    add(T(1), carried, sum);
+    const auto mean = to_grid(first, Mirrored::vector);
+    at_nodes_.find(
+        mean, [&](std::size_t p) { return connected_.has(p) ? driver_.points().at(Field::mass)[p] : T(0); });
+    add(T(1), at_nodes_.of(mean), sum);
     add_series(first, second, sum);
     map_rest(sum, first);
     take_back(first, sum);
@@ -116,85 +124,137 @@ class Filter {
     clear(unseen);
     std::vector<Loss> losses(driver_.slots());
     driver_.scatter([&](int slot, const Block& block) {
-      const auto& points = driver_.points();
-      Columns<T, 2> carried;
-      Columns<T, 3> seen;
-      if (options_.filter_order > 0) gather(block, {velocity.data}, seen);
-      Loss loss;
-      for (std::size_t p = block.begin; p < block.end; ++p) {
-        const std::size_t i = p - block.begin;
-        const auto v = points.vector(Field::velocity, p);
-        T energy = 0;
-        if (options_.filter_order > 0 && is_intact(p)) {
-          const auto now = seen.template vector<T>(i);
-          const auto taken = v - now;
-          energy = T(0.5) * dot(taken, taken);
-          const double mass = points.at(Field::mass)[p];
-          loss.taken += mass * energy;
-          loss.kinetic += mass * (energy + dot(taken, now));
-          points.set_vector(Field::velocity, p, now);
-        }
-        carried.store(0, i, energy);
-        carried.store(1, i, points.at(Field::pressure)[p]);
+      Columns<T, 1> energy{};
+      if (options_.filter_order > 0) {
+        const Loss loss = filter_velocity(block, {velocity.data}, energy);
+        if (loss.taken != 0) losses[slot] += loss;
       }
-      if (loss.taken != 0) losses[slot] += loss;
-      map(block, {carried.at[0], carried.at[1], carried.at[0]}, unseen);
+      const T* const pressure = driver_.points().at(Field::pressure) + block.begin;
+      map(block, {energy.at[0], pressure, energy.at[0]}, unseen);
     });
     to_grid(unseen, Mirrored::magnitudes);
     Loss sum;
     for (const Loss& one : losses) sum += one;
     return sum.taken > 0 ? T(sum.kinetic / sum.taken) : T(0);
   }
+  // Gives the points of a block their velocity. Leaves the energy per mass of what this took of it.
+  Loss filter_velocity(const Block& block, Velocity<T> velocity, Columns<T, 1>& energy) const {
+    const auto& points = driver_.points();
+    Columns<T, 3> seen;
+    gather(block, velocity, seen);
+    V taken = V(0), kinetic = V(0);
+    for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+      const std::size_t i = p - block.begin;
+      const auto v = points.template vector<V>(Field::velocity, p, n), now = seen.template vector<V>(i);
+      const auto off = v - now;
+      const auto acts = connected_.among(p, n);
+      const V mass = select(acts, points.template load<V>(Field::mass, p, n), V(0));
+      const V unseen = select(acts, V(T(0.5)) * dot(off, off), V(0));
+      taken += mass * unseen;
+      kinetic += mass * (unseen + select(acts, dot(off, now), V(0)));
+      energy.store(0, i, unseen);
+      const Vec3<V> filtered{select(acts, now.x, v.x), select(acts, now.y, v.y), select(acts, now.z, v.z)};
+      points.set_vector(Field::velocity, p, filtered, n);
+    });
+    return {sum_of(taken), sum_of(kinetic)};
+  }
+  // Adds to the pressure at the nodes what they see of the rest: p - S S+ p. Then the rest of the sum is
+  // (1 - S S+)^2 p, of which a wave that is long has hardly anything.
+  void see_rest(Momentum<T> unseen, Momentum<T> rest) {
+    clear(rest);
+    driver_.scatter([&](int, const Block& block) {
+      Columns<T, 3> seen;
+      gather(block, {unseen.data}, seen);
+      Columns<T, 1> pressure;
+      for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+        const std::size_t i = p - block.begin;
+        const V own = driver_.points().template load<V>(Field::pressure, p, n);
+        pressure.store(0, i, own - seen.template load<V>(1, i));
+      });
+      map(block, {pressure.at[0], pressure.at[0], pressure.at[0]}, rest);
+    });
+    to_grid(rest, Mirrored::magnitudes);
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) unseen[i].v[1] += rest[i].v[0];
+    });
+    constrain(driver_, grid_, m_.model.faces, unseen, Mirrored::magnitudes);
+  }
   // Adds the heat of the velocities, relaxes the unseen pressure, and maps the energy per mass that this
   // took.
   void relax(Momentum<T> unseen, Momentum<T> taken, T heat_share) {
-    clear(taken);
+    const bool relaxes = options_.pressure_filter > 0;
+    if (relaxes) clear(taken);
     std::vector<double> heat(driver_.slots());
     driver_.scatter([&](int slot, const Block& block) {
-      const auto& points = driver_.points();
       Columns<T, 3> seen;
-      Columns<T, 1> carried;
+      Columns<T, 1> lost;
       gather(block, {unseen.data}, seen);
-      double sum = 0;
-      for (std::size_t p = block.begin; p < block.end; ++p) {
-        const std::size_t i = p - block.begin;
-        T lost = 0;
-        if (is_intact(p)) {
-          const auto& material = m_.model.materials[points.body[p]];
-          const T stiffness =
-              material.density * material.dilatational_speed() * material.dilatational_speed();
-          const T pressure = points.at(Field::pressure)[p], unseen = pressure - seen.at[1][i];
-          const T ratio = T(1) + points.at(Field::dilation)[p];
-          const T growth = T(options_.pressure_filter) * unseen * ratio / stiffness;
-          // The pressure falls by the share of what is unseen: its mean does the work.
-          const T work = (pressure - T(0.5 * options_.pressure_filter) * unseen) * growth;
-          points.at(Field::dilation)[p] += growth;
-          points.at(Field::energy)[p] += material.density * heat_share * seen.at[0][i] - work;
-          lost = work * material.specific_volume;
-          sum += double(points.at(Field::mass)[p] * (heat_share * seen.at[0][i] + lost));
-        }
-        carried.store(0, i, lost);
-      }
-      if (sum != 0) heat[slot] += sum;
-      map(block, {carried.at[0], carried.at[0], carried.at[0]}, taken);
+      for_each_material(driver_.points(), m_.model.materials.data(), block,
+                        [&](const auto& range, const Material<T>& material) {
+                          const double sum = relax_points(range, block, material, seen, heat_share, lost);
+                          if (sum != 0) heat[slot] += sum;
+                        });
+      if (relaxes) map(block, {lost.at[0], lost.at[0], lost.at[0]}, taken);
     });
-    to_grid(taken, Mirrored::magnitudes);
+    if (relaxes) to_grid(taken, Mirrored::magnitudes);
     for (const double one : heat) m_.state.filtered += one;
+  }
+  // Does so for points of one material in a block. Leaves the energy per mass that the pressure lost; returns
+  // the heat of both.
+  template <class Range>
+  double relax_points(const Range& range, const Block& block, const Material<T>& material,
+                      const Columns<T, 3>& seen, T heat_share, Columns<T, 1>& lost) const {
+    const auto& points = driver_.points();
+    const V share = V(T(options_.pressure_filter));
+    V sum = V(0);
+    for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
+      const std::size_t i = p - block.begin;
+      const auto acts = connected_.among(p, n);
+      const auto of_acting = [&](V value) PM_INLINE { return select(acts, value, V(0)); };
+      const auto point = points.template state<V>(p, n);
+      const V pressure = point.pressure, unseen = pressure - seen.template load<V>(1, i);
+      const V growth = of_acting(share * unseen * compliance(material, point));
+      // The pressure falls by the share of what is unseen: its mean does the work.
+      const V work = of_acting((pressure - V(T(0.5)) * share * unseen) * growth);
+      const V heat = of_acting(V(heat_share) * seen.template load<V>(0, i));
+      Pack<V>::store(points.at(Field::dilation) + p, point.dilation + growth, n);
+      add_energy(p, n, V(material.density) * heat - work);
+      const V loss = work * V(material.specific_volume);
+      sum += points.template load<V>(Field::mass, p, n) * (heat + loss);
+      lost.store(0, i, loss, n);
+    });
+    return sum_of(sum);
+  }
+  // Returns by how much V/V0 falls in a wave that raises the pressure, 1/Pa; 0 where no wave goes.
+  static V compliance(const Material<T>& material, const PointState<V>& point) {
+    const V ratio = point.ratio();
+    const auto change = Compression<V>::of(point.dilation);
+    const auto now =
+        material.eos.visit([&](const auto& eos) PM_INLINE { return eos.at(change, point.energy); });
+    const V shear = V(T(4.0 / 3.0)) * material.shear(conditions_of(point));
+    const V stiffness = max(now.stiffness(point.pressure, ratio), V(0)) + shear;
+    const auto goes = V(0) < stiffness;
+    return select(goes, ratio * ratio / select(goes, stiffness, V(1)), V(0));
   }
   // Adds the heat of the pressures.
   void heat(Momentum<T> taken) {
     driver_.for_each_awake_block([&](int, const Block& block) {
-      const auto& points = driver_.points();
       Columns<T, 3> share;
       gather(block, {taken.data}, share);
-      for (std::size_t p = block.begin; p < block.end; ++p)
-        if (is_intact(p))
-          points.at(Field::energy)[p] +=
-              m_.model.materials[points.body[p]].density * share.at[0][p - block.begin];
+      for_each_material(driver_.points(), m_.model.materials.data(), block,
+                        [&](const auto& range, const Material<T>& material) {
+                          for_each_pack<V>(range, [&](std::size_t p, int n) PM_INLINE {
+                            const V gain = V(material.density) * share.template load<V>(0, p - block.begin);
+                            add_energy(p, n, select(connected_.among(p, n), gain, V(0)));
+                          });
+                        });
     });
   }
 
-  bool is_intact(std::size_t p) const { return driver_.points().at(Field::damage)[p] < T(1); }
+  void add_energy(std::size_t p, int n, V more) const {
+    T* const energy = driver_.points().at(Field::energy) + p;
+    Pack<V>::store(energy, Pack<V>::load(energy, n) + more, n);
+  }
   void clear(Momentum<T> nodes) const {
     driver_.for_each_line(false,
                           [&](int, std::size_t begin, std::size_t end) { clear_line(nodes, begin, end); });
@@ -210,11 +270,13 @@ class Filter {
       patch.load(grid_, bundle, nodes);
     });
   }
-  // Adds three numbers per mass of the intact points of a block to the nodes.
+  // Adds three numbers per mass of the connected points of a block to the nodes.
   void map(const Block& block, const T* const (&per_mass)[3], Momentum<T> nodes) const {
     Columns<T, 1> mass;
-    for (std::size_t p = block.begin; p < block.end; ++p)
-      mass.store(0, p - block.begin, is_intact(p) ? driver_.points().at(Field::mass)[p] : T(0));
+    for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+      const V own = driver_.points().template load<V>(Field::mass, p, n);
+      mass.store(0, p - block.begin, select(connected_.among(p, n), own, V(0)));
+    });
     const Carried<T> carried{mass.at[0], {per_mass[0], per_mass[1], per_mass[2]}, block.begin};
     driver_.template add_carried<Shape>(block, carried, nodes);
   }
@@ -228,6 +290,7 @@ class Filter {
   const Options& options_;
   Driver& driver_;
   const GridGeometry<T>& grid_;
+  Connected<Driver, Shape> connected_;
   NodeVelocity<Driver> at_nodes_;
 };
 

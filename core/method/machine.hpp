@@ -35,7 +35,7 @@ struct Machine {
   }
 
   // Arrays of the driver: two that take turns for momentum, one for forces, one for damping, and one for
-  // cells where volumetric strain is theirs; eight where velocities are carried to the nodes. The one for
+  // cells where volumetric strain is theirs; nine where velocities are carried to the nodes. The one for
   // momentum that is free, all zero until velocities are mapped back, also serves contact.
   Momentum<T> momentum() { return driver.template nodes<Nodal::momentum>(state.momentum); }
   Momentum<T> other_momentum() { return driver.template nodes<Nodal::momentum>(2 - state.momentum); }
@@ -50,7 +50,9 @@ struct Machine {
     const auto row = [&](int i) { return driver.template nodes<Nodal::rows>(first_lever() + i); };
     return {driver.template nodes<Nodal::lever>(first_lever()),
             {{row(1), row(2), row(3)}},
-            {{row(4), row(5), row(6)}}};
+            {{row(4), row(5), row(6)}},
+            LeverMarks<T>::in(driver.template nodes<Nodal::cell>(first_lever() + 8),
+                              model.grid.field_count * model.grid.node_count())};
   }
   Velocity<T> carried() {
     if (!model.is_linear()) return {};
@@ -58,7 +60,7 @@ struct Machine {
   }
   Force<T> force() { return driver.template nodes<Nodal::force>(1); }
   Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }
-  int array_count() const { return first_lever() + (model.is_linear() ? 8 : 0); }
+  int array_count() const { return first_lever() + (model.is_linear() ? 9 : 0); }
 
  private:
   int first_lever() const { return model.by_cells() ? 5 : 4; }

@@ -27,21 +27,26 @@ class NodeVelocity {
 
   bool is_linear() const { return is_linear_; }
 
-  // Forgets the levers and cells of the last step.
+  // Forgets where the last step has carried velocities.
   void clear() {
     if (!is_linear_) return;
-    driver_.for_each_line(true, [&](int, std::size_t begin, std::size_t end) { levers_.clear(begin, end); });
+    driver_.for_each_line(true,
+                          [&](int, std::size_t begin, std::size_t end) { levers_.marks.clear(begin, end); });
   }
-  // Finds the levers of all points, or of what mass(p) leaves of them.
-  void find() {
-    find([&](std::size_t p) { return driver_.points().at(Field::mass)[p]; });
+  // Finds where to carry, by the masses of the nodes, and the levers: of all points, or of what mass(p)
+  // leaves of them.
+  void find(Velocity<T> mean) {
+    find(mean, [&](std::size_t p) { return driver_.points().at(Field::mass)[p]; });
   }
   template <class Mass>
-  void find(Mass&& mass) {
+  void find(Velocity<T> mean, Mass&& mass) {
     if (!is_linear_) return;
+    mark(mean);
+    walk([](const auto& line) { line.clear(); });
     driver_.scatter([&](int, const Block& block) {
-      for_each_bundle(
-          block, [&](const Bundle& bundle) { add_moments(driver_.points(), grid_, bundle, mass, levers_); });
+      for_each_bundle(block, [&](const Bundle& bundle) {
+        if (levers_.marks.cells[3][bundle.node]) add_moments(driver_.points(), grid_, bundle, mass, levers_);
+      });
     });
     driver_.exchange(levers_.at);
     fold(driver_, grid_, mirrors_, levers_.at, Mirrored::vector);
@@ -51,6 +56,7 @@ class NodeVelocity {
       levers_.mass(image) = levers_.mass(cell);
     });
     walk([](const auto& line) { line.find_spans(); });
+    walk([](const auto& line) { line.look_around(); });
     widen(mirrors_);
     walk([](const auto& line) { line.divide_by_spans(); });
     constrain(driver_, grid_, mirrors_, levers_.at);
@@ -74,18 +80,35 @@ class NodeVelocity {
     walk([&](const auto& line) { line.find_moments(force); });
     fold_cells();
     walk([](const auto& line) { line.spread(); });
-    walk([](const auto& line) { line.gather(); });
+    walk([](const auto& line) { line.gather(2); });
     fold_cells();
     walk([&](const auto& line) { line.carry_back(force); });
   }
 
  private:
   template <class F>
-  void walk(F&& f) const {
-    driver_.for_each_line(
-        false, [&](int, std::size_t begin, std::size_t end) { f(LeverLine<T>(grid_, levers_, begin, end)); });
+  void for_each_line(F&& f) const {
+    driver_.for_each_line(false,
+                          [&](int, std::size_t begin, std::size_t end) { f(Line<T>(grid_, begin, end)); });
   }
-  // Calls f(image, cell, mirrored), mirrored(i, r) row r of cell i in the mirror.
+  template <class F>
+  void walk(F&& f) const {
+    for_each_line([&](const Line<T>& line) { f(LeverLine<T>(levers_, line)); });
+  }
+  void mark(Velocity<T> mean) const {
+    const auto& marks = levers_.marks;
+    for_each_line([&](const Line<T>& line) { find_filling(grid_, mean, marks, line); });
+    for_each_line([&](const Line<T>& line) { mark_surface(grid_, marks, line); });
+    for_each_mirrored_cell(driver_, grid_, faces_, [&](std::size_t image, std::size_t cell) {
+      marks.is_whole[image] = marks.is_whole[cell];
+    });
+    for (int ring = 0; ring < LeverMarks<T>::rings; ++ring) {
+      if (ring > 0) for_each_line([&](const Line<T>& line) { mark_nodes(grid_, marks, ring, line); });
+      for_each_line([&](const Line<T>& line) { mark_cells(marks, ring, line); });
+    }
+  }
+  // Calls f(image, cell, mirrored) where an image is marked, and with it the cell: mirrored(i, r) is row r of
+  // cell i in the mirror.
   template <class F>
   void for_each_mirrored(const Faces& faces, F&& f) const {
     for (int face = 0; face < 6; ++face) {
@@ -94,8 +117,9 @@ class NodeVelocity {
       const auto mirrored = [&, face](std::size_t i, int r) {
         return mirrored_row(faces[face], face / 2, r, levers_.cells.row(i, r));
       };
-      for_each_mirrored_cell(driver_, grid_, one,
-                             [&](std::size_t image, std::size_t cell) { f(image, cell, mirrored); });
+      for_each_mirrored_cell(driver_, grid_, one, [&](std::size_t image, std::size_t cell) {
+        if (levers_.marks.cells[2][image]) f(image, cell, mirrored);
+      });
     }
   }
   // Adds up what cells have over those around, two away; the last sum, over the cells of a node, is left to
@@ -109,7 +133,7 @@ class NodeVelocity {
     };
     copy();
     walk([](const auto& line) { line.spread(); });
-    walk([](const auto& line) { line.gather(); });
+    walk([](const auto& line) { line.gather(1); });
     copy();
   }
   // Takes the levers from the nodes behind mirrors: their images speak for them.

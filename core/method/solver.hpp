@@ -23,8 +23,8 @@ class Solver {
   Solver(const GridGeometry<T>& grid, const Faces& faces, std::vector<Material<T>> materials,
          const Options& options, int threads)
       : m_{Model<T>(grid, faces, std::move(materials), options),
-           Driver(threads,
-                  options.sleep && options.mass_cutoff == 0 && options.node_velocity == AtNodes::mean),
+           Driver(threads, options.sleep && options.mass_cutoff == 0,
+                  options.node_velocity == AtNodes::linear),
            {},
            {},
            {},
@@ -101,7 +101,10 @@ class Solver {
           break;
         }
         const double next_time = choose_step(state, m_.model.options, m_.model.grid.cell, end_time);
-        if (filter.is_due()) m_.timers.time("filter", [&] { filter.run(); });
+        if (filter.is_due()) {
+          m_.timers.time("filter", [&] { filter.run(); });
+          m_.driver.rouse();  // what it moved, the step moves farther
+        }
         step.clear();
         Scheme::run(step);
         m_.timers.time("sort", [&] { arrange(step.exits(), Shape::support); });

@@ -50,7 +50,7 @@ class Step {
         m_.transmitting.template renew<Shape>(model_, driver_, m_.damping());
       if (!state_.is_mapped) driver_.scatter([&](int, const Block& block) { add(block, momentum); });
       before = to_velocity(momentum);
-      at_nodes_.find();
+      at_nodes_.find(before);
     });
     m_.timers.time("boundary", [&] { constrain(driver_, grid_, model_.faces, before); });
     if (m_.contact)
@@ -58,13 +58,14 @@ class Step {
         m_.contact->template find<Shape>(model_, driver_, before, m_.surface(), T(dt()));
         fit(before);
       });
+    m_.timers.time("stress", [&] { volume_.begin(at_nodes_.of(before)); });
     return before;
   }
 
   // (3), (4): strains the points by the velocity that was mapped, and returns the forces of the new stress.
   Force<T> stress_and_force(Velocity<T> before, const Pay& pay) {
     const auto force = m_.force();
-    stress(straining(before), pay, [&](auto&& update) {
+    stress(at_nodes_.latest(before), pay, [&](auto&& update) {
       driver_.scatter([&](int slot, const Block& block) {
         Columns<T, 6> push;
         update(slot, block, push);
@@ -84,10 +85,9 @@ class Step {
     });
   }
   // (4) alone: the forces of the stress that there is.
-  Force<T> force_only(Velocity<T> before) {
+  Force<T> force_only() {
     const auto force = m_.force();
     m_.timers.time("stress", [&] {
-      volume_.find(before);
       driver_.scatter([&](int, const Block& block) {
         Columns<T, 6> push;
         push_of_stress<V>(driver_.points(), model_.materials.data(), block, push);

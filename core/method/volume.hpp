@@ -20,24 +20,26 @@ class Volume {
         cells_(m.cells()),
         by_cells_(m.model.by_cells()) {}
 
+  // Finds which cells are whole, and what find() does. To be called first in a step.
+  void begin(Velocity<T> velocity) {
+    if (!by_cells_) return;
+    find(velocity,
+         [&](std::size_t begin, std::size_t end) { find_whole(grid_, velocity, cells_, begin, end); });
+    if (!CellsAround<Shape, T>::whole_only) return;
+    driver_.for_each_line(
+        false, [&](int, std::size_t begin, std::size_t end) { find_surrounded(grid_, cells_, begin, end); });
+  }
   // Finds the divergence of a nodal velocity in the cells; what pushed them before is gone.
   void find(Velocity<T> velocity) {
-    if (!by_cells_) return;
-    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
-      find_cells<Shape>(grid_, velocity, cells_, begin, end);
-    });
-    for_each_mirrored_cell(driver_, grid_, faces_,
-                           [&](std::size_t image, std::size_t cell) { cells_.mirror(image, cell); });
+    if (by_cells_) find(velocity, [](std::size_t, std::size_t) {});
   }
   // Finds how a nodal velocity, of which find() knows, strains the points of a block.
   void gather(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains) const {
     const auto& points = driver_.points();
     if (!by_cells_)
       return gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, OwnVolume{}, strains);
-    Columns<T, 1> divergence;
-    gather_divergence<Shape, V>(points, grid_, block, cells_, divergence);
-    gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, CellVolume<T>{divergence, dt},
-                                   strains);
+    gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt,
+                                   CellVolume<Shape, T>(grid_, cells_, dt), strains);
   }
   // Takes the mean stress out of what a block pushes with, and pushes the cells with it.
   void take_mean_stress(const Block& block, Columns<T, 6>& push) const {
@@ -56,6 +58,17 @@ class Volume {
   }
 
  private:
+  // Calls first(begin, end) for each line of cells while its nodes are in the cache.
+  template <class First>
+  void find(Velocity<T> velocity, First&& first) {
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      first(begin, end);
+      find_divergence<Shape>(grid_, velocity, cells_, begin, end);
+    });
+    for_each_mirrored_cell(driver_, grid_, faces_,
+                           [&](std::size_t image, std::size_t cell) { cells_.mirror(image, cell); });
+  }
+
   Driver& driver_;
   const GridGeometry<T>& grid_;
   const Faces& faces_;

@@ -17,7 +17,7 @@ class Driver {
   using Hints = NoHints;
   static constexpr const char* name = "plain";
 
-  Driver(int, bool) {}  // neither threads nor sleep
+  Driver(int, bool, bool) {}  // neither threads nor sleep
 
   void allocate(const GridGeometry<T>& grid, int arrays) {
     grid_ = grid;
@@ -85,6 +85,7 @@ class Driver {
   void forget_stale() {}
   void sort(int) {}
   bool arrange(int, bool) { return false; }
+  void rouse() {}
   void wake() {}
   template <class F>
   void for_each_part(F&& f, int) {

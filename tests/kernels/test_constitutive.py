@@ -88,7 +88,7 @@ def von_mises(s):
     return np.sqrt(1.5 * np.sum(s * s))
 
 
-def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D):
+def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D, slip=0.0):
     volume, energy, pressure, viscosity, eps, temperature, damage = state[:7]
     s, rate = tensor(state[7:]), tensor(gradient[:6])
     w = gradient[6:]
@@ -154,7 +154,7 @@ def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D):
             if treatment == "floor":
                 limit = max(limit, FLOOR)
             if limit > 0 or treatment == "signed":
-                damage = max(damage + increment / limit, 0.0)
+                damage = max(damage + increment / (limit + (slip / CELL if limit > 0 else 0.0)), 0.0)
         temperature = temperature + CHI * flow * increment * ratio / (RHO * CP)
         if treatment is not None and temperature >= T_MELT:
             damage = max(damage, 1.0)
@@ -216,7 +216,7 @@ def johnson_cook(**changed):
     return law("johnson-cook", shear_modulus=G, **{**JC, **changed})
 
 
-def failure_model(treatment, d=D):
+def failure_model(treatment, d=D, slip=0.0):
     return law(
         "johnson-cook",
         treatment=treatment,
@@ -224,14 +224,15 @@ def failure_model(treatment, d=D):
         floor=FLOOR,
         triaxiality_min=CLAMP[0],
         triaxiality_max=CLAMP[1],
+        displacement=slip,
     )
 
 
-def check(name, material, *, eos, shear, jc, treatment, d=D, n=400, seed=1):
+def check(name, material, *, eos, shear, jc, treatment, d=D, slip=0.0, n=400, seed=1):
     states, gradients = random_states(n, seed)
     want = np.array(
         [
-            reference_update(s, g, RHO * V0, eos=eos, shear=shear, jc=jc, treatment=treatment, d=d)
+            reference_update(s, g, RHO * V0, eos=eos, shear=shear, jc=jc, treatment=treatment, d=d, slip=slip)
             for s, g in zip(states, gradients, strict=True)
         ]
     )
@@ -247,10 +248,12 @@ def check(name, material, *, eos, shear, jc, treatment, d=D, n=400, seed=1):
     return states, want
 
 
-@pytest.mark.parametrize("d", [D, D_RATE], ids=["paper", "with rate"])
+@pytest.mark.parametrize(
+    ("d", "slip"), [(D, 0.0), (D_RATE, 0.0), (D, 2e-7)], ids=["paper", "with rate", "with a displacement"]
+)
 @pytest.mark.parametrize("treatment", [None, *TREATMENTS])
-def test_johnson_cook_and_mie_gruneisen(treatment, d):
-    failure = NONE if treatment is None else failure_model(treatment, d)
+def test_johnson_cook_and_mie_gruneisen(treatment, d, slip):
+    failure = NONE if treatment is None else failure_model(treatment, d, slip)
     states, want = check(
         f"{treatment}",
         build(GRUNEISEN, johnson_cook(), failure),
@@ -259,6 +262,7 @@ def test_johnson_cook_and_mie_gruneisen(treatment, d):
         jc=JC,
         treatment=treatment,
         d=d,
+        slip=slip,
     )
     # The draw has what it is meant to have.
     yielded = want[:, 4] > states[:, 4]
@@ -384,7 +388,7 @@ def test_flow_stress_against_the_closed_form():
 def test_failure_strain_against_table_and_closed_form():
     def core_strain(model, triaxiality, rate, temperature):
         """The failure strain, from the damage of a plastic strain of 1."""
-        row = np.array([[1.0, rate, triaxiality, 1.0, temperature, 0.0]])
+        row = np.array([[1.0, rate, triaxiality, 1.0, temperature, 0.0, CELL]])
         return 1 / kernels.failure_at(build(GRUNEISEN, johnson_cook(), model), row)[0, 0]
 
     model = failure_model("signed")

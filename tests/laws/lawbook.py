@@ -52,11 +52,11 @@ def states_of(n, material, **columns):
     return states
 
 
-def update(material, states, gradients=None, *, lanes=False, q=True, dt=DT):
+def update(material, states, gradients=None, *, lanes=False, q=True, dt=DT, cell=CELL):
     """The states after a step; `q`: with bulk viscosity."""
     made = material if q else material.model_copy(update={"viscosity": quiet(material)})
     gradients = np.zeros((len(states), 9)) if gradients is None else gradients
-    return kernels.update_stress(made.to_core(), states, gradients, material.density * V0, CELL, dt, lanes)
+    return kernels.update_stress(made.to_core(), states, gradients, material.density * V0, cell, dt, lanes)
 
 
 def quiet(material):

@@ -1,7 +1,10 @@
 """What every failure law must do, whatever its law."""
 
 import numpy as np
+import pytest
 from lawbook import DT, LANES, V0, declared, each, materials, states_of, update
+
+from pockmark.scene.materials import Material, library
 
 
 def loaded(material, n=2000, seed=1):
@@ -65,3 +68,20 @@ def test_a_step_in_which_a_point_fails_pays_with_its_failed_stress():
         ] * growth
         want = states[:, 1] + 0.5 * old * states[:, 0] / V0 - 0.5 * after[:, 2] * growth * ratio
         np.testing.assert_allclose(after[fresh, 1], want[fresh], rtol=1e-9, atol=1e-2)
+
+
+@pytest.mark.parametrize("displacement", [0.0, 3e-6])
+def test_a_layer_fails_after_a_slip_that_a_displacement_makes_its_own(displacement):
+    """Without one the slip is the failure strain times the cell; with one it tends to it as the cell shrinks."""
+    table = library()["al2024-t351"]
+    failure = table["failure"] | {"displacement": displacement, "D2": 0.0, "D4": 0.0}
+    material = Material.model_validate(table | {"failure": failure})
+    strain, slips = failure["D1"], []  # whatever the triaxiality: heat makes a pressure
+    for cell in (4e-6, 2e-6, 1e-6):
+        states, gradients = states_of(1, material), np.zeros((1, 9))
+        gradients[0, 3] = 5e-4 / DT  # of the layer's sides
+        while states[0, 6] < 1:
+            states = update(material, states, gradients, cell=cell)[:, :13]
+        slips.append(states[0, 4] * cell)  # the elastic part comes back
+        assert slips[-1] == pytest.approx(strain * cell + displacement, rel=0.005)
+    print(f"{displacement=}: slips of {slips} m")

@@ -80,6 +80,7 @@ def options(
     volume="points",
     nodes="mean",
     filtering=(0, 0, 0.0),
+    sleep=True,
 ):
     """Return the core's options; `filtering` is a filter's interval, order and share of the pressure."""
     return core.Options(
@@ -91,7 +92,7 @@ def options(
         strain_limit=strain_limit,
         pic_fraction=pic,
         mass_cutoff=cutoff,
-        sleep=True,
+        sleep=sleep,
         filter_interval=filtering[0],
         filter_order=filtering[1],
         pressure_filter=filtering[2],

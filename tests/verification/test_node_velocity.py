@@ -26,12 +26,23 @@ def body(seed=2, shift=0.3):
     return x + np.random.default_rng(seed).uniform(-0.1, 0.1, x.shape) * H
 
 
-def moving(x, v, *, faces=(FREE,) * 6, driver="cpu", scheme="usf", volume="points", nodes="linear", **given):
+def moving(
+    x,
+    v,
+    *,
+    faces=(FREE,) * 6,
+    driver="cpu",
+    scheme="usf",
+    volume="points",
+    nodes="linear",
+    cells=CELLS,
+    **given,
+):
     """Return a solver with an elastic body of these points."""
     opts = options(scheme, volume=volume, nodes=nodes, **given)
     bodies = [(x, v, (H / 2) ** 3, RHO, 0)]
     material = elastic(YOUNG, NU, RHO)
-    return solver((0, 0, 0), H, (CELLS,) * 3, list(faces), [material], opts, bodies, driver=driver)
+    return solver((0, 0, 0), H, (cells,) * 3, list(faces), [material], opts, bodies, driver=driver)
 
 
 def strain_rates(solver):
@@ -128,6 +139,42 @@ def test_a_linear_velocity_strains_every_point_alike(scheme):
     print(f"{scheme}: largest strain rate off by {off['mean']:.2g} with means, {off['linear']:.1e} linear")
     assert off["mean"] > 0.5
     assert off["linear"] < 1e-5
+
+
+def test_within_a_body_nodes_keep_the_mean_and_a_linear_velocity_is_strained_alike_all_the_same():
+    """There the mass centres of a lattice lie at the nodes: nothing is carried, and nothing has to be."""
+    cells, edge = 13, 20
+    x = lattice((1.3 * H, 1.4 * H, 1.1 * H), (edge,) * 3, H / 2)
+    inside = np.all((x > x.min(axis=0) + 3.5 * H) & (x < x.max(axis=0) - 3.5 * H), axis=1)
+    v = np.random.default_rng(3).normal(size=x.shape) * 1e-3
+    mean, linear = (strain_rates(moving(x, v, nodes=nodes, cells=cells)) for nodes in ("mean", "linear"))
+    assert inside.sum() > 50
+    assert np.array_equal(mean[inside], linear[inside])
+    assert np.abs(mean - linear).max() > 0.1 * np.abs(mean).max()
+    stretch = np.array([[3.0, 1.0, -2.0], [0.5, -1.0, 2.0], [1.0, 0.3, 4.0]]) * 1e3
+    off = np.abs(strain_rates(moving(x, x @ stretch.T, cells=cells)) - deviatoric(stretch)).max()
+    print(f"{inside.sum()} of {len(x)} points inside; strain rates off by {off / np.abs(stretch).max():.1e}")
+    assert off < 1e-5 * np.abs(stretch).max()
+
+
+@pytest.mark.parametrize("densities", [(1.0, 1.0), (1.0, 8.0)])
+def test_a_face_between_bodies_is_a_surface_where_their_densities_differ(densities):
+    """Mass centres lie off the nodes there; a body of equal density goes on behind it."""
+    cells = 13
+    x = lattice((1 * H,) * 3, (22,) * 3, H / 2)
+    light = x[:, 0] < 6.5 * H
+    v = np.random.default_rng(3).normal(size=x.shape) * 1e-3
+    rates = []
+    for nodes in ("mean", "linear"):
+        bodies = [
+            (x[of], v[of], (H / 2) ** 3, RHO * factor, i)
+            for i, (of, factor) in enumerate(zip((light, ~light), densities, strict=True))
+        ]
+        materials = [elastic(YOUNG, NU, RHO * factor) for factor in densities]
+        s = solver((0, 0, 0), H, (cells,) * 3, [FREE] * 6, materials, options("usf", nodes=nodes), bodies)
+        rates.append(strain_rates(s)[np.argsort(np.argsort(~light, kind="stable"))])
+    within = np.all(np.abs(x - 6.5 * H) < H, axis=1)
+    assert np.array_equal(rates[0][within], rates[1][within]) == (densities[0] == densities[1])
 
 
 def momenta(s):

@@ -8,7 +8,7 @@ struct Musl {
   template <class Step>
   static void run(Step& step) {
     const auto before = step.map_points();
-    const auto force = step.force_only(before);
+    const auto force = step.force_only();
     const auto after = step.integrate(before, force);
     const auto mapped = step.map_back(before, after);
     step.account(before, after, mapped);

@@ -7,7 +7,7 @@ struct Usl {
   template <class Step>
   static void run(Step& step) {
     const auto before = step.map_points();
-    const auto force = step.force_only(before);
+    const auto force = step.force_only();
     const auto after = step.integrate(before, force);
     step.update_velocities(before, after);
     step.account(before, after, after);

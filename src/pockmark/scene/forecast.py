@@ -23,7 +23,7 @@ NUMBERS_IN_CHECKPOINT = 20  # for a point
 BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 300_000
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
-CARRYING = 1.0  # steps more that one with velocities carried to the nodes takes
+CARRYING = 0.35  # steps more that one with velocities carried to the nodes takes
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def _peak(scene: Scene, points: int) -> float:
     nodes = scene.grid.node_count * (2 if scene.contact else 1)
     core = points * (NUMBERS_PER_POINT * number + BYTES_PER_POINT)
     by_cells = 4 if scene.numerics.volumetric_strain == "cells" else 0
-    carried = 32 if scene.numerics.node_velocity == "linear" else 0
+    carried = 36 if scene.numerics.node_velocity == "linear" else 0
     core += nodes * ((NUMBERS_PER_NODE + by_cells + carried) * number + BYTES_PER_NODE)
     running = RUNNING + core + points * BYTES_PER_POINT_WRITTEN
     return max(running, DRAWING + points * BYTES_PER_POINT_MEASURED)

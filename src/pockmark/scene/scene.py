@@ -241,9 +241,20 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
         "grid": (("geometry", "3d"),),
     }
     for name, known in before.items():
-        if isinstance(part := hashed.get(name), Mapping):
-            hashed[name] = {key: value for key, value in part.items() if (key, value) not in known}
+        hashed = _without(hashed, (name,), known)
+    for name in hashed.get("materials", ()):
+        hashed = _without(hashed, ("materials", name, "failure"), (("displacement", 0.0),))
     return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def _without(
+    table: Mapping[str, Any], path: Sequence[str], known: Sequence[tuple[str, Any]]
+) -> dict[str, Any]:
+    """Return a table in which the table at a path, if there is one, has no key with one of the known values."""
+    if not path:
+        return {key: value for key, value in table.items() if (key, value) not in known}
+    part = table.get(path[0])
+    return {**table, path[0]: _without(part, path[1:], known)} if isinstance(part, Mapping) else dict(table)
 
 
 def _complete_materials(table: dict[str, Any]) -> list[str]:

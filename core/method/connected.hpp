@@ -1,0 +1,84 @@
+// Which points are connected to others: those that are intact, and those that have failed where their cells
+// are at least half full. The rest are free to fly.
+#pragma once
+#include <vector>
+
+#include "../hoop.hpp"
+#include "lines.hpp"
+#include "machine.hpp"
+
+namespace pockmark {
+
+template <class Driver, class Shape>
+class Connected {
+  using T = typename Driver::Number;
+  using V = typename Driver::Values;
+
+ public:
+  explicit Connected(Machine<Driver>& m) : model_(m.model), driver_(m.driver), grid_(m.model.grid) {}
+
+  // Looks for them; `nodes` is an array that is free.
+  void find(Momentum<T> nodes) {
+    is_.assign(driver_.points().count, T(1));
+    if (!has_failed_points()) return;
+    find_filling(nodes);
+    driver_.for_each_awake_block([&](int, const Block& block) {
+      Columns<T, 3> filling;
+      gather_values<Shape, V>(driver_.points(), block, filling,
+                              [&](auto& patch, const Bundle& bundle) { patch.load(grid_, bundle, nodes); });
+      for (std::size_t p = block.begin; p < block.end; ++p)
+        is_[p] = T(!has_failed(p) || T(0.5) <= filling.at[0][p - block.begin]);
+    });
+  }
+  bool has(std::size_t p) const { return is_[p] > T(0); }
+  // Returns which of the n points from p on are.
+  mask_t<V> among(std::size_t p, int n) const {
+    return V(0) < Pack<V>::load(is_.data() + p, n) && first_lanes<V>(n);
+  }
+
+ private:
+  bool has_failed(std::size_t p) const { return T(1) <= driver_.points().at(Field::damage)[p]; }
+  bool has_failed_points() const {
+    std::vector<std::uint8_t> found(driver_.slots());
+    driver_.for_each_awake_block([&](int slot, const Block& block) {
+      for (std::size_t p = block.begin; p < block.end; ++p)
+        if (has_failed(p)) found[slot] = 1;
+    });
+    return std::ranges::any_of(found, [](std::uint8_t one) { return one != 0; });
+  }
+  // Finds which share of the space around a node the points would fill at their first density.
+  void find_filling(Momentum<T> nodes) const {
+    driver_.for_each_line(false,
+                          [&](int, std::size_t begin, std::size_t end) { clear_line(nodes, begin, end); });
+    driver_.scatter([&](int, const Block& block) {
+      Columns<T, 1> share, one;
+      for (std::size_t p = block.begin; p < block.end; ++p) {
+        share.store(0, p - block.begin, T(model_.reference_volume(driver_.points(), p) / space(p)));
+        one.store(0, p - block.begin, T(1));
+      }
+      const Carried<T> carried{share.at[0], {one.at[0], one.at[0], one.at[0]}, block.begin};
+      driver_.template add_carried<Shape>(block, carried, nodes);
+    });
+    driver_.exchange(nodes);
+    fold(driver_, grid_, model_.faces, nodes, Mirrored::magnitudes);
+    // On a mirror half of the space is behind it.
+    for (int face = 0; face < 6; ++face)
+      if (is_mirror(model_.faces[face]))
+        for_each_face_node(driver_, grid_, face, [&](const FaceNode& at) {
+          nodes[at.on].set_vector(T(2) * nodes[at.on].vector());
+        });
+    constrain(driver_, grid_, model_.faces, nodes, Mirrored::magnitudes);
+  }
+  // Returns the space of a cell, m^3, of a ring's around the axis.
+  double space(std::size_t p) const {
+    const double cell = grid_.cell;
+    return cell * cell * (grid_.is_axisymmetric ? circumference(grid_, driver_.points(), p) : cell);
+  }
+
+  const Model<T>& model_;
+  Driver& driver_;
+  const GridGeometry<T>& grid_;
+  std::vector<T> is_;
+};
+
+}  // namespace pockmark
