@@ -15,7 +15,7 @@ import sys
 
 from run import CASES
 
-TURNS, STEPS, WARM_UP = 25, 8, 40
+TURNS, STEPS, WARM_UP = 15, 8, 40
 # What a checkout runs: it answers each number of steps with the seconds that a point took in one.
 STEPPER = """
 import json, sys, time
