@@ -115,7 +115,7 @@ class CellsAround {
     for_each_row([&](int i, int j, std::size_t row) PM_INLINE {
       Four<T> counted;
       find_counting(row, counted);
-      counted *= push[i][j].v;
+      counted = counted * push[i][j].v;
       add_four(cells_.push + row, counted);
       rest += push[i][j].v - counted;
     });
