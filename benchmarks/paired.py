@@ -1,12 +1,14 @@
 """Compare the step of two checkouts, case by case, in one run: `python benchmarks/paired.py OLD/src NEW/src > benchmarks/paired.csv`.
 
-Each checkout, with its core built, steps the same impact in a process of its own; the two take turns, so that what else
-runs on the machine slows both. A row has the rates of the new one and the median of new time by old, with its quartiles.
+Each checkout, with its core built, steps the same impact in a process of its own; the two take turns, in random order, so
+that what else runs on the machine slows both. On one thread the processor's own time counts, which what else runs hardly
+touches. A row has the rates of both and the median of new time by old, with its quartiles.
 """
 
 import csv
 import json
 import os
+import random
 import statistics
 import subprocess
 import sys
@@ -25,10 +27,11 @@ except ImportError:  # before the package had rooms
     from pockmark.simulation import Simulation
 threads, changes = json.loads(sys.argv[1])
 simulation = Simulation(bench_scene(252_112, tuple(changes)), threads)
+clock = time.process_time if threads == 1 else time.perf_counter
 for line in sys.stdin:
-    start = time.perf_counter()
+    start = clock()
     points, done = simulation.points, simulation.advance(1.0, max_steps=int(line))
-    print((time.perf_counter() - start) / (points * done), flush=True)
+    print((clock() - start) / (points * done), flush=True)
 """
 
 
@@ -59,6 +62,14 @@ def seconds(process: subprocess.Popen[str], steps: int) -> float:
     return float(process.stdout.readline())
 
 
+def turn(both: list[subprocess.Popen[str]]) -> list[float]:
+    """Let both do some steps, either one first. Return the seconds of a particle-step of each."""
+    taken = [0.0, 0.0]
+    for one in random.sample(range(2), 2):
+        taken[one] = seconds(both[one], STEPS)
+    return taken
+
+
 def main() -> None:
     """Write a row for each case."""
     old, new = sys.argv[1:3]
@@ -77,7 +88,7 @@ def main() -> None:
         both = [stepper(source, isa, *in_python(arguments)) for source in (old, new)]
         for process in both:
             seconds(process, WARM_UP)
-        times = [[seconds(process, STEPS) for process in both] for _ in range(TURNS)]
+        times = [turn(both) for _ in range(TURNS)]
         for process in both:
             process.kill()
             process.communicate()

@@ -61,16 +61,17 @@ struct CellStencil<Quadratic<T>> {
   }
 };
 
-// Four numbers side by side in memory, which need not lie where a register would.
+// Four numbers side by side in memory, which need not lie where a register would. None is returned: without
+// AVX that would be another convention of calls.
 template <class T>
-PM_HD Four<T> load_four(const T* at) {
-  Four<T> out;
+PM_HD void load_four(const T* at, Four<T>& out) {
   std::memcpy(&out, at, sizeof(out));
-  return out;
 }
 template <class T>
 PM_HD void add_four(T* at, const Four<T>& more) {
-  const Four<T> sum = load_four(at) + more;
+  Four<T> sum;
+  load_four(at, sum);
+  sum += more;
   std::memcpy(at, &sum, sizeof(sum));
 }
 
@@ -95,12 +96,13 @@ class CellsAround {
   // Finds the divergence of the cells that count.
   PM_HD void find_divergence(Quad<T> (&out)[S][S]) const {
     for_each_row([&](int i, int j, std::size_t row)
-                     PM_INLINE { out[i][j].v = load_four(cells_.divergence + row); });
+                     PM_INLINE { load_four(cells_.divergence + row, out[i][j].v); });
     if (all_count()) return;
     const T one = cells_.divergence[own_];
     const Four<T> own{one, one, one, one};
     for_each_row([&](int i, int j, std::size_t row) PM_INLINE {
-      const auto counts = counting(row);
+      Four<T> counts;
+      find_counting(row, counts);
       out[i][j].v = counts * out[i][j].v + (own - counts * own);
     });
   }
@@ -111,7 +113,9 @@ class CellsAround {
                               PM_INLINE { add_four(cells_.push + row, push[i][j].v); });
     Four<T> rest{};
     for_each_row([&](int i, int j, std::size_t row) PM_INLINE {
-      const auto counted = counting(row) * push[i][j].v;
+      Four<T> counted;
+      find_counting(row, counted);
+      counted = counted * push[i][j].v;
       add_four(cells_.push + row, counted);
       rest += push[i][j].v - counted;
     });
@@ -126,10 +130,10 @@ class CellsAround {
     for (int i = 0; i < S; ++i)
       for (int j = 0; j < S; ++j) f(i, j, first + i * steps_.x + j * steps_.y);
   }
-  // Returns 1 for each cell of a row that counts, or 0.
-  PM_HD Four<T> counting(std::size_t row) const {
+  // Finds 1 for each cell of a row that counts, or 0.
+  PM_HD void find_counting(std::size_t row, Four<T>& counts) const {
     const std::uint8_t* const whole = cells_.is_whole + row;
-    return Four<T>{T(whole[0]), T(whole[1]), T(whole[2]), T(0)};
+    counts = Four<T>{T(whole[0]), T(whole[1]), T(whole[2]), T(0)};
   }
   PM_HD bool all_count() const { return !whole_only || cells_.is_surrounded[own_]; }
 

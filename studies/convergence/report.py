@@ -138,6 +138,7 @@ _SWEPT = (
     "numerics.precision",
     "materials.al2024-liu2015.failure.treatment",
     "materials.al2024-liu2015.failure.floor",
+    "materials.al2024-liu2015.failure.displacement",
     "materials.al2024-liu2015.thermal.taylor_quinney",
 )
 

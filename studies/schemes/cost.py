@@ -1,4 +1,4 @@
-"""The time of a step beside that of the trilinear scheme: the two take turns, so what else runs slows both."""
+"""The processor's time of a step beside that of the trilinear scheme, the two taking turns."""
 
 import statistics
 import time
@@ -25,6 +25,6 @@ def measure(changes: Changes, *, points: int, turns: int) -> dict[str, float]:
 
 def _seconds(simulation: Simulation) -> float:
     """Return the seconds that a point takes in a step, over a turn."""
-    points, start = simulation.points, time.perf_counter()
+    points, start = simulation.points, time.process_time()
     done = simulation.advance(1.0, max_steps=STEPS)
-    return (time.perf_counter() - start) / (points * done)
+    return (time.process_time() - start) / (points * done)
