@@ -243,7 +243,10 @@ MISTAKES = [
     ("body.1.gap='0 um'", "body[1]: needs either a center of x, y and z, or one of x and y with gap"),
     ("body.1.gap='-1 um'", "body[1].gap: found '-1 um', input should be greater than or equal to 0"),
     ("body.1.center=['0 um']", "body[1]: needs either a center of x, y and z, or one of x"),
-    ("numerics.scheme=mpm", "numerics.scheme: found 'mpm', input should be 'usf', 'musl', 'usl' or 'usavg'"),
+    (
+        "numerics.scheme=mpm",
+        "numerics.scheme: found 'mpm', input should be 'usf', 'musl', 'usl', 'usavg' or 'paper'",
+    ),
     ("end_time='0 s'", "end_time: found '0 s'"),
     ("materials.x.based_on=unobtainium", "materials.x.based_on: found 'unobtainium'"),
     ("body.2.radius=1", "body.2: found no such body, allowed are 0 to 1 and target, projectile"),
@@ -300,3 +303,17 @@ def test_unreadable_files_are_told(tmp_path):
     (tmp_path / "bad.toml").write_text("a = = 1")
     with pytest.raises(PockmarkError, match="is not TOML"):
         Scene.load(tmp_path / "bad.toml")
+
+
+def test_the_paper_s_scheme_is_a_name_for_what_it_does():
+    """What is written beside it counts; the scene has the hash of one that spells it out."""
+    plain = ["numerics.scheme=usavg", "numerics.volumetric_strain=points", "numerics.filter.interval=0"]
+    named, spelled = (
+        Scene.load(EXAMPLES / "quick.toml", changes) for changes in (["numerics.scheme=paper"], plain)
+    )
+    assert named.numerics == spelled.numerics
+    assert named.hash == spelled.hash
+    changed = Scene.load(
+        EXAMPLES / "quick.toml", ["numerics.scheme=paper", "numerics.volumetric_strain=cells"]
+    )
+    assert (changed.numerics.scheme, changed.numerics.volumetric_strain) == ("usavg", "cells")

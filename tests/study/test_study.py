@@ -212,6 +212,38 @@ def test_a_slip_is_one_sentence(folder, text, expected):
     assert "\n" not in str(caught.value)
 
 
+def based_on(folder, base="..", text=""):
+    """The folder of a campaign that repeats the one in `folder`."""
+    repeated = folder / "repeated"
+    repeated.mkdir()
+    (repeated / "campaign.toml").write_text(f'based_on = "{base}"\n{text}')
+    return repeated
+
+
+def test_a_campaign_repeats_another_one_with_changes_of_its_own(folder):
+    repeated = based_on(folder, text='title = "slow"\nset = { "output.snapshots" = "1 ns" }')
+    assert load(repeated).title == "slow"
+    found = cases(load(repeated), repeated, quick=False, only=[])
+    assert [case.groups for case in found] == [["speeds"], ["speeds", "again"], ["again"]]
+    assert {(case.scene.end_time, case.scene.output.snapshots) for case in found} == {(2e-9, 1e-9)}
+
+
+@pytest.mark.parametrize(
+    ("base", "text", "expected"),
+    [
+        ("../nowhere", "", "nowhere"),
+        (".", "", "expected a campaign that is not based on another one"),
+        ("..", "set = 3", "set: found 3"),
+        ("..", "sets = 3", "unknown key"),
+    ],
+)
+def test_a_slip_of_a_repeated_campaign_is_one_sentence(folder, base, text, expected):
+    with pytest.raises(PockmarkError, match=expected) as caught:
+        load(based_on(folder, base, text))
+    print(caught.value)
+    assert "\n" not in str(caught.value)
+
+
 def test_an_unknown_figure_is_refused(folder):
     with pytest.raises(PockmarkError, match="no such group or figure, allowed are again, figure-1, speeds"):
         cases(load(folder), folder, quick=False, only=["figure-9"])
@@ -224,7 +256,8 @@ def test_the_committed_campaigns_load():
             print(f"{path.parent.name}: {len(found)} runs{' in the quick form' if quick else ''}")
             assert found
         # `found` is the whole campaign now: its table's rows are of its scenes, and say their physics.
-        rows = list(csv.DictReader((path.parent / "results.csv").open()))
+        table = path.parent / "results.csv"
+        rows = list(csv.DictReader(table.open())) if table.exists() else []
         assert {row["scene"] for row in rows} <= {case.scene.hash for case in found}
         assert all(0 < int(row["physics"]) <= PHYSICS for row in rows)
 

@@ -34,10 +34,12 @@ class Campaign(Model):
     """The tables of `campaign.toml`.
 
     `scene` and `report` are paths from the file's folder. `report` is a Python script that draws figures from the
-    finished table; it is called as `report TABLE RUNS OUT`.
+    finished table; it is called as `report TABLE RUNS OUT`. `based_on` is the folder of another campaign, which this
+    one repeats, with changes of its own.
     """
 
     title: str = ""
+    based_on: str = ""
     scene: str
     report: str = ""
     coarse: Annotated[bool, Field(strict=True)] = False  # allows fewer than four cells across a projectile
@@ -65,12 +67,32 @@ class Case:
 def load(folder: Path) -> Campaign:
     """Read a campaign. Raises PockmarkError with one sentence."""
     path = folder / FILE
+    table = read_toml(path)
+    if isinstance(base := table.get("based_on"), str):
+        table = _repeated(table, as_path(folder / base))
     try:
-        campaign = Campaign.model_validate(read_toml(path))
+        campaign = Campaign.model_validate(table)
     except ValidationError as error:
         raise PockmarkError(f"{path}: {sentence(error, Campaign)}") from None
     as_path(folder / campaign.report)  # said before anything runs
     return campaign
+
+
+def _repeated(table: Mapping[str, Any], base: Path) -> dict[str, Any]:
+    """Return a campaign's table with what it leaves to the campaign in the folder `base`, whose `set` it adds to.
+
+    Raises PockmarkError for one that is at fault, or is based on a third one.
+    """
+    other = read_toml(base / FILE)
+    if "based_on" in other:
+        raise PockmarkError(f"{base / FILE}: based_on: expected a campaign that is not based on another one")
+    load(base)
+    for key in {"scene", "report"} & other.keys():
+        other[key] = str((base / other[key]).resolve())
+    repeated = {**other, **table}
+    if isinstance(own := table.get("set", {}), Mapping):
+        repeated["set"] = {**other.get("set", {}), **own}
+    return repeated
 
 
 def cases(campaign: Campaign, folder: Path, *, quick: bool, only: list[str]) -> list[Case]:
