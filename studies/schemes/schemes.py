@@ -11,6 +11,7 @@ TRILINEAR: Changes = {
     "scheme": "usavg",
     "shape_functions": "trilinear",
     "volumetric_strain": "points",
+    "node_velocity": "mean",
     "pic_fraction": 0.0,
     "filter.interval": 0,
 }
