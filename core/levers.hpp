@@ -35,7 +35,8 @@ struct Levers {
   Rows<T> cells, nodes;
   LeverMarks<T> marks;
 
-  PM_HD T& mass(std::size_t cell) const { return cells.at[1][cell].v[3]; }
+  PM_HD T mass(std::size_t cell) const { return cells.at[1][cell].v[3]; }
+  PM_HD void set_mass(std::size_t cell, T mass) const { cells.at[1][cell].v[3] = mass; }
 };
 
 // Mass centres that span less than this share of the space of their cells lie near a plane, a row or one
@@ -62,7 +63,7 @@ void add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bun
     });
   }
   patch.add_to(grid, bundle, levers.at);
-  levers.mass(bundle.node) += sum;
+  levers.set_mass(bundle.node, levers.mass(bundle.node) + sum);
 }
 
 // A matrix, and its inverse.
@@ -98,7 +99,7 @@ class LeverLine {
   // Forgets the moments of the last step.
   void clear() const {
     for_each_node(3, [&](std::size_t node) { levers_.at[node] = {}; });
-    for_each_cell(2, [&](std::size_t cell) { levers_.mass(cell) = T(0); });
+    for_each_cell(2, [&](std::size_t cell) { levers_.set_mass(cell, T(0)); });
   }
   // Turns moments into levers.
   void find_levers() const {

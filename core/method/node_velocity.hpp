@@ -53,7 +53,7 @@ class NodeVelocity {
     walk([](const auto& line) { line.find_levers(); });
     constrain(driver_, grid_, mirrors_, levers_.at);
     for_each_mirrored_cell(driver_, grid_, mirrors_, [&](std::size_t image, std::size_t cell) {
-      levers_.mass(image) = levers_.mass(cell);
+      levers_.set_mass(image, levers_.mass(cell));
     });
     walk([](const auto& line) { line.find_spans(); });
     walk([](const auto& line) { line.look_around(); });
