@@ -140,7 +140,8 @@ template <class T>
 void mark_nodes(const GridGeometry<T>& grid, const LeverMarks<T>& marks, int ring, const Line<T>& line) {
   const std::uint8_t* __restrict from = marks.cells[ring - 1];
   std::uint8_t* __restrict to = marks.nodes[ring];
-  if (!line.is_inside(grid)) {
+  // Before the first node of the second row of the second plane there is no corner of a cell.
+  if (!line.is_inside(grid) || line.begin < line.corner(7)) {
     for (std::size_t n = line.begin; n < line.end; ++n)
       for (int i = 0; i < 8; ++i)
         if (line.corner(i) <= n) to[n] |= from[n - line.corner(i)];
