@@ -256,8 +256,7 @@ def test_the_committed_campaigns_load():
             print(f"{path.parent.name}: {len(found)} runs{' in the quick form' if quick else ''}")
             assert found
         # `found` is the whole campaign now: its table's rows are of its scenes, and say their physics.
-        table = path.parent / "results.csv"
-        rows = list(csv.DictReader(table.open())) if table.exists() else []
+        rows = list(csv.DictReader((path.parent / "results.csv").open()))
         assert {row["scene"] for row in rows} <= {case.scene.hash for case in found}
         assert all(0 < int(row["physics"]) <= PHYSICS for row in rows)
 
