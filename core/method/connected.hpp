@@ -48,8 +48,7 @@ class Connected {
   }
   // Finds which share of the space around a node the points would fill at their first density.
   void find_filling(Momentum<T> nodes) const {
-    driver_.for_each_line(false,
-                          [&](int, std::size_t begin, std::size_t end) { clear_line(nodes, begin, end); });
+    clear_nodes(driver_, nodes);
     driver_.scatter([&](int, const Block& block) {
       Columns<T, 1> share, one;
       for (std::size_t p = block.begin; p < block.end; ++p) {

@@ -59,22 +59,26 @@ class Filter {
   // to the nodes, and what it leaves of that is mapped and taken back, so that linear velocities stay as they
   // are, and the filter symmetric.
   void find_velocity(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
-    clear(sum);
+    clear_nodes(driver_, sum);
+    clear_nodes(driver_, first);
+    driver_.scatter([&](int, const Block& block) {
+      const auto v = [&](int a) { return driver_.points().at(Field::velocity, a) + block.begin; };
+      map(block, {v(0), v(1), v(2)}, first);
+    });
     if (!at_nodes_.is_linear()) return add_series(first, second, sum);
     at_nodes_.clear();
-    map_rest(sum, first);
     const auto mean = to_grid(first, Mirrored::vector);
     at_nodes_.find(
         mean, [&](std::size_t p) { return connected_.has(p) ? driver_.points().at(Field::mass)[p] : T(0); });
     add(T(1), at_nodes_.of(mean), sum);
+    map_rest(sum, first);
     add_series(first, second, sum);
     map_rest(sum, first);
     take_back(first, sum);
   }
   // Adds sum_k c_k (S+ S)^(k-1) S+ w, of which S makes what the binomial series of 1 - (1 - S S+)^m leaves of
-  // w = v - S `sum`.
+  // w; `first` is what w maps.
   void add_series(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
-    map_rest(sum, first);
     Velocity<T> term = to_grid(first, Mirrored::vector);
     const int order = options_.filter_order;
     T share = T(order);
@@ -82,7 +86,7 @@ class Filter {
     Momentum<T> next = second;
     for (int k = 2; k <= order; ++k) {
       share *= T(k - 1 - order) / T(k);
-      clear(next);
+      clear_nodes(driver_, next);
       driver_.scatter([&](int, const Block& block) {
         Columns<T, 3> at_points;
         gather(block, term, at_points);
@@ -96,7 +100,7 @@ class Filter {
   }
   // Maps the momentum of the velocity that the points have besides S `seen`.
   void map_rest(Momentum<T> seen, Momentum<T> rest) {
-    clear(rest);
+    clear_nodes(driver_, rest);
     driver_.scatter([&](int, const Block& block) {
       Columns<T, 3> v;
       gather(block, {seen.data}, v);
@@ -121,7 +125,7 @@ class Filter {
   // pressure. Returns the kinetic energy that was lost, as a multiple of that energy: the loss of a single
   // point depends on the frame, and may be a gain.
   T map_unseen(Momentum<T> unseen, Momentum<T> velocity) {
-    clear(unseen);
+    clear_nodes(driver_, unseen);
     std::vector<Loss> losses(driver_.slots());
     driver_.scatter([&](int slot, const Block& block) {
       Columns<T, 1> energy{};
@@ -161,7 +165,7 @@ class Filter {
   // Adds to the pressure at the nodes what they see of the rest: p - S S+ p. Then the rest of the sum is
   // (1 - S S+)^2 p, of which a wave that is long has hardly anything.
   void see_rest(Momentum<T> unseen, Momentum<T> rest) {
-    clear(rest);
+    clear_nodes(driver_, rest);
     driver_.scatter([&](int, const Block& block) {
       Columns<T, 3> seen;
       gather(block, {unseen.data}, seen);
@@ -183,7 +187,7 @@ class Filter {
   // took.
   void relax(Momentum<T> unseen, Momentum<T> taken, T heat_share) {
     const bool relaxes = options_.pressure_filter > 0;
-    if (relaxes) clear(taken);
+    if (relaxes) clear_nodes(driver_, taken);
     std::vector<double> heat(driver_.slots());
     driver_.scatter([&](int slot, const Block& block) {
       Columns<T, 3> seen;
@@ -254,10 +258,6 @@ class Filter {
   void add_energy(std::size_t p, int n, V more) const {
     T* const energy = driver_.points().at(Field::energy) + p;
     Pack<V>::store(energy, Pack<V>::load(energy, n) + more, n);
-  }
-  void clear(Momentum<T> nodes) const {
-    driver_.for_each_line(false,
-                          [&](int, std::size_t begin, std::size_t end) { clear_line(nodes, begin, end); });
   }
   void add(T share, Velocity<T> term, Momentum<T> sum) const {
     driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {

@@ -11,6 +11,13 @@ void clear_line(NodeField<T, quantity> nodes, std::size_t begin, std::size_t end
   std::fill(nodes.data + begin, nodes.data + end, Quad<T>{});
 }
 
+// Sets the nodes that points touch to zero.
+template <class Driver, class T, Nodal quantity>
+void clear_nodes(const Driver& driver, NodeField<T, quantity> nodes) {
+  driver.for_each_line(false,
+                       [&](int, std::size_t begin, std::size_t end) { clear_line(nodes, begin, end); });
+}
+
 // Turns momentum into velocity, in the same array.
 template <class T>
 void divide_by_mass(Momentum<T> momentum, std::size_t begin, std::size_t end) {

@@ -266,8 +266,7 @@ class Step {
   void move_with(Velocity<T> after, Before&& first) {
     const auto momentum = m_.momentum();
     m_.timers.time("move", [&] {
-      driver_.for_each_line(
-          false, [&](int, std::size_t begin, std::size_t end) { clear_line(momentum, begin, end); });
+      clear_nodes(driver_, momentum);
       regroup(
           [&](int slot, const Block& block) {
             first(block);
