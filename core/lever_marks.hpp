@@ -90,16 +90,41 @@ struct Line {
   }
 };
 
-// Finds how full a line of nodes is. A node on a face of the grid has half of its space outside.
+// Returns the space around a node of a plane across x, per cell: half of it lies outside a face of the grid.
+// That of rings is the integral of r N. At the axis it depends on where they lie: mark_surface() compares
+// none there.
+template <class T>
+T space_across_x(const GridGeometry<T>& grid, int i) {
+  const int from_first = i - grid.pad;
+  const bool is_last = from_first == grid.cells[0], is_on_face = from_first == 0 || is_last;
+  const T share = is_on_face ? T(0.5) : T(1);
+  if (!grid.is_axisymmetric || from_first <= 0) return share;
+  return share * T(from_first) - (is_last ? T(1) / T(6) : T(0));
+}
+
+// Returns how far the mass centre of full rings lies outside of the nodes of a plane across r, in cells:
+// rings that are farther out weigh more (hoop.hpp). On the axis a mirror holds it.
+template <class T>
+T ring_shift(const GridGeometry<T>& grid, int i) {
+  const int from_axis = i - grid.pad;
+  return grid.is_axisymmetric && from_axis > 0 ? T(1) / T(6 * from_axis) : T(0);
+}
+
+// Finds how full a line of nodes is, of all bodies: where two are in contact there is no surface. A node on a
+// face of the grid has half of its space outside.
 template <class T>
 void find_filling(const GridGeometry<T>& grid, Velocity<T> velocity, const LeverMarks<T>& marks,
                   const Line<T>& line) {
   const auto on_face = [&](int axis, int i) { return i == grid.pad || i == grid.pad + grid.cells[axis]; };
-  const T across = T(on_face(0, line.first[0]) ? 2 : 1) * T(on_face(1, line.first[1]) ? 2 : 1);
+  const T across = T(on_face(1, line.first[1]) ? 2 : 1) / space_across_x(grid, line.first[0]);
   for (std::size_t n = line.begin; n < line.end; ++n) {
     const T mass = velocity[n].v[3];
     marks.filling[n] = across * mass;
     marks.around[n] = mass > least_mass<T>;
+  }
+  if (grid.field_count > 1) {
+    const std::size_t other = grid.node_count() - 2 * grid.field_of(line.begin);  // modulo 2^64: back, too
+    for (std::size_t n = line.begin; n < line.end; ++n) marks.filling[n] += across * velocity[n + other].v[3];
   }
   for (const int k : {grid.pad, grid.pad + grid.cells[2]}) {
     const std::size_t n = line.begin + std::size_t(k - line.first[2]);
@@ -117,10 +142,13 @@ void mark_surface(const GridGeometry<T>& grid, const LeverMarks<T>& marks, const
     whole[c] = has[c] & has[c + 1] & has[c + y] & has[c + y + 1] & has[c + x] & has[c + x + 1] &
                has[c + x + y] & has[c + x + y + 1];
   if (!line.is_inside(grid)) return;
+  const int from_first = line.first[0] - grid.pad;
+  const bool is_axis = grid.is_axisymmetric && from_first == 0;
+  const std::size_t in = grid.is_axisymmetric && from_first <= 1 ? 0 : x, out = is_axis ? 0 : x;
   const T* __restrict m = marks.filling;
   std::uint8_t* __restrict is_beside = marks.nodes[0];
   for (std::size_t n = line.begin; n < line.end; ++n) {
-    const T most = max(max(max(m[n - x], m[n + x]), max(m[n - y], m[n + y])), max(m[n - 1], m[n + 1]));
+    const T most = max(max(max(m[n - in], m[n + out]), max(m[n - y], m[n + y])), max(m[n - 1], m[n + 1]));
     is_beside[n] = has[n] & std::uint8_t(m[n] < full_share<T> * most);
   }
 }

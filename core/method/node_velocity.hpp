@@ -58,7 +58,9 @@ class NodeVelocity {
     walk([](const auto& line) { line.find_spans(); });
     walk([](const auto& line) { line.look_around(); });
     widen(mirrors_);
-    walk([](const auto& line) { line.divide_by_spans(); });
+    for_each_line([&](const Line<T>& line) {
+      LeverLine<T>(levers_, line).divide_by_spans(ring_shift(grid_, line.first[0]));
+    });
     constrain(driver_, grid_, mirrors_, levers_.at);
     forget_outside();
   }
