@@ -50,6 +50,7 @@ class Method(NamedTuple):
             f"numerics.shape_functions={self.shape}",
             f"numerics.volumetric_strain={self.volume}",
             f"numerics.node_velocity={self.nodes}",
+            "numerics.filter.interval=0",
         )
 
     def __str__(self):

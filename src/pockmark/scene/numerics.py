@@ -22,9 +22,9 @@ class Filter(Model):
     `pressure` the share of the unseen pressure that relaxes each time; 0 leaves the one or the other alone.
     """
 
-    interval: Annotated[int, Field(ge=0, le=10_000)] = 0
-    order: Annotated[int, Field(ge=0, le=16)] = 3
-    pressure: Annotated[Number, Field(ge=0, le=1)] = 0.5
+    interval: Annotated[int, Field(ge=0, le=10_000)] = 10
+    order: Annotated[int, Field(ge=0, le=16)] = 2
+    pressure: Annotated[Number, Field(ge=0, le=1)] = 1.0
 
     @model_validator(mode="after")
     def _acts(self) -> "Filter":
@@ -36,7 +36,7 @@ class Filter(Model):
 
 
 # What the scheme "paper" stands for: the method with which the paper's tables are reproduced.
-PAPER = {
+PAPER: dict[str, Any] = {
     "scheme": "usavg",
     "shape_functions": "trilinear",
     "volumetric_strain": "points",
@@ -45,13 +45,20 @@ PAPER = {
 }
 
 
+# The defaults that a choice brings with it, because it does not go with those of all others.
+BROUGHT = {
+    ("shape_functions", "quadratic"): {"node_velocity": "mean"},
+    ("scheme", "usl"): {"volumetric_strain": "points"},
+}
+
+
 class Numerics(Model):
     """The numerical method. studies/README.md compares its variants."""
 
     scheme: Literal["usf", "musl", "usl", "usavg", "paper"] = "usavg"
     shape_functions: Literal["trilinear", "quadratic"] = "trilinear"
-    volumetric_strain: Literal["points", "cells"] = "points"
-    node_velocity: Literal["mean", "linear"] = "mean"
+    volumetric_strain: Literal["points", "cells"] = "cells"
+    node_velocity: Literal["mean", "linear"] = "linear"
     cfl: Annotated[Number, Field(gt=0, le=1)] = 0.5
     strain_limit: Annotated[Number, Field(gt=0, le=1)] = 0.2
     pic_fraction: Annotated[Number, Field(ge=0, le=1)] = 0.0
@@ -62,10 +69,19 @@ class Numerics(Model):
     @model_validator(mode="before")
     @classmethod
     def _spell_out(cls, table: Any) -> Any:
-        """Return the table with what the scheme "paper" stands for; what is written beside it counts."""
-        if not isinstance(table, Mapping) or table.get("scheme") != "paper":
+        """Return the table with what its choices bring, and what the scheme "paper" stands for; what is written counts."""
+        if not isinstance(table, Mapping):
             return table
-        return {**PAPER, **{key: value for key, value in table.items() if key != "scheme"}}
+        if table.get("scheme") == "paper":
+            written = {key: value for key, value in table.items() if key != "scheme"}
+            if isinstance(written.get("filter"), Mapping):
+                written["filter"] = {**PAPER["filter"], **written["filter"]}
+            return {**PAPER, **written}
+        brought: dict[str, str] = {}
+        for (key, value), more in BROUGHT.items():
+            if table.get(key) == value:
+                brought |= more
+        return {**brought, **table}
 
 
 class Output(Model):
