@@ -8,35 +8,33 @@
 // from cells to nodes, to cells, to nodes, a sum over eight each time. The cells at a surface alone would not
 // do: what little mass lies in them may lie so close together that no gradient can be told.
 #pragma once
-#include <algorithm>
-#include <bit>
+#include <functional>
 
-#include "boundary.hpp"
 #include "interpolant.hpp"
 #include "lever_marks.hpp"
 
 namespace pockmark {
 
-// Three rows of three numbers at each node, or of each cell.
+// What slopes along x, y and z a vector has at each node or of each cell: its change along one axis is one
+// quad, so that no number changes its lane.
 template <class T>
-struct Rows {
-  NodeField<T, Nodal::rows> at[3];
+struct Slopes {
+  NodeField<T, Nodal::slopes> at[3];
 
-  PM_HD void set(std::size_t i, int r, const Vec3<T>& row) const { at[r][i].set_vector(row); }
-  PM_HD Vec3<T> row(std::size_t i, int r) const { return at[r][i].vector(); }
+  PM_HD void clear(std::size_t i) const {
+    for (const auto& along : at) along[i] = {};
+  }
 };
 
-// What it takes. The fourth number of a lever is the mass of the node, of a cell's second row that of the
-// cell. A cell without mass has no say. Only what is marked is ever set or read: levers and sums of nodes in
-// ring 3, masses and rows of cells in ring 2.
+// What it takes. The fourth number of a lever is the mass of the node at first. Levers and sums of nodes are
+// set and read in ring 3, what cells have in ring 2: the cells beside these have nothing.
 template <class T>
 struct Levers {
   NodeField<T, Nodal::lever> at;  // from the mass centre to the node, in cells; then what gradients multiply
-  Rows<T> cells, nodes;
-  LeverMarks<T> marks;
-
-  PM_HD T mass(std::size_t cell) const { return cells.at[1][cell].v[3]; }
-  PM_HD void set_mass(std::size_t cell, T mass) const { cells.at[1][cell].v[3] = mass; }
+  Slopes<T> cells, nodes;
+  T* filling;  // of a node: its mass per space in the grid
+  T* mass;     // of a cell
+  LeverMarks marks;
 };
 
 // Mass centres that span less than this share of the space of their cells lie near a plane, a row or one
@@ -45,11 +43,11 @@ struct Levers {
 template <class T>
 inline constexpr T least_span = T(0.1);
 
-// Adds the moments of a bundle's mass about its nodes, sum N m (x - X), in cells, and the mass, to nodes and
-// cell. mass(p) is the mass of a point that counts.
+// Adds the moments of a bundle's mass about its nodes, sum N m (x - X), in cells, and the mass, to the nodes.
+// mass(p) is the mass of a point that counts. Returns the mass of the bundle.
 template <class T, class Mass>
-void add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, Mass&& mass,
-                 const Levers<T>& levers) {
+T add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, Mass&& mass,
+              NodeField<T, Nodal::lever> moments) {
   Patch<Linear<T>, T> patch;
   T sum = 0;
   for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
@@ -62,16 +60,15 @@ void add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bun
                  Quad<T>{{f.x - T(i), f.y - T(j), f.z - T(k), T(1)}});
     });
   }
-  patch.add_to(grid, bundle, levers.at);
-  levers.set_mass(bundle.node, levers.mass(bundle.node) + sum);
+  patch.add_to(grid, bundle, moments);
+  return sum;
 }
 
-// A matrix, and its inverse.
+// A matrix.
 template <class T>
 struct Three {
   T at[3][3];
 
-  PM_HD Vec3<T> row(int r) const { return {at[r][0], at[r][1], at[r][2]}; }
   PM_HD T cofactor(int r, int a) const {
     const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, a1 = (a + 1) % 3, a2 = (a + 2) % 3;
     return at[r1][a1] * at[r2][a2] - at[r1][a2] * at[r2][a1];
@@ -89,17 +86,19 @@ struct Three {
   }
 };
 
-// What is done to a line of nodes and cells.
+// What is done to the nodes and cells of a row.
 template <class T>
-class LeverLine {
+class LeverRow {
  public:
-  LeverLine(const Levers<T>& levers, const Line<T>& line)
-      : levers_(levers), marks_(levers.marks), line_(line) {}
+  LeverRow(const GridGeometry<T>& grid, const RowBits<T>& rows, const Levers<T>& levers, const Row& row)
+      : levers_(levers), marks_(levers.marks), rows_(rows), row_(row) {
+    for (int i = 0; i < 8; ++i) corner_[i] = grid.index(i >> 2, i >> 1 & 1, i & 1);
+  }
 
   // Forgets the moments of the last step.
   void clear() const {
     for_each_node(3, [&](std::size_t node) { levers_.at[node] = {}; });
-    for_each_cell(2, [&](std::size_t cell) { levers_.set_mass(cell, T(0)); });
+    for_each_cell(2, [&](std::size_t cell) { levers_.mass[cell] = T(0); });
   }
   // Turns moments into levers.
   void find_levers() const {
@@ -109,144 +108,177 @@ class LeverLine {
     });
   }
   // Finds the slopes of the place of the mass centres in the cells, times the mass of the cell: the unit
-  // matrix where they lie at the nodes. The fourth number of the first row is the mass.
+  // matrix where they lie at the nodes. The fourth number along x is the mass.
   void find_spans() const {
+    take_out_the_empty();
     for_each_cell(2, [&](std::size_t cell) {
-      const T mass = levers_.mass(cell);
-      if (!(mass > T(0))) marks_.cells[2][cell] = 0;
+      const T mass = levers_.mass[cell];
       set_slopes(cell, -mass, levers_.at.data);
-      for (int r = 0; r < 3; ++r) levers_.cells.at[r][cell].v[r] += mass;
+      for (int a = 0; a < 3; ++a) levers_.cells.at[a][cell].v[a] += mass;
       levers_.cells.at[0][cell].v[3] = mass;
-    });
-  }
-  // Finds which cells around each node have mass.
-  void look_around() const {
-    for_each_node(3, [&](std::size_t node) {
-      unsigned bits = 0;
-      for (int i = 0; i < 8; ++i)
-        if (line_.corner(i) <= node) bits |= unsigned(marks_.cells[2][node - line_.corner(i)]) << i;
-      marks_.around[node] = std::uint8_t(bits);
     });
   }
   // Ends with what a lever is to be multiplied with: the inverse of the mean of these slopes.
   void divide_by_spans() const {
-    for_each_node(3, [&](std::size_t node) {
+    for_each_node(1, [&](std::size_t node) {
       auto& at = levers_.at[node];
-      at.set_vector(marks_.nodes[1][node] ? per_span(node, at.vector()) : Vec3<T>{});
+      at.set_vector(per_span(node, at.vector()));
     });
   }
 
   // Finds the velocity gradients of the cells, times their mass.
   void find_gradients(Velocity<T> velocity) const {
-    for_each_cell(2, [&](std::size_t cell) { set_slopes(cell, levers_.mass(cell), velocity.data); });
+    for_each_cell(2, [&](std::size_t cell) { set_slopes(cell, levers_.mass[cell], velocity.data); });
   }
-  // Finds what forces do to the gradients.
-  void find_moments(Force<T> force) const {
-    for_each_cell(2, [&](std::size_t cell) {
-      Quad<T> sum[3];
-      for (int i = 0; i < 8; ++i) {
-        const std::size_t node = cell + line_.corner(i);
-        for (int r = 0; r < 3; ++r) add_scaled(sum[r], force[node].v[r], levers_.at[node]);
-      }
-      for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, sum[r].vector());
-    });
-  }
-  // Adds up what the cells around each node have; then what the nodes of each cell have. The nodes of the
-  // last ring have nothing of their own to give.
+  // Adds up what the cells around each node have; then what the nodes of each cell have.
   void spread() const {
-    for_each_node(3, [&](std::size_t node) {
-      Quad<T> sum[3];
-      if (marks_.nodes[2][node]) add_around(node, sum);
-      for (int r = 0; r < 3; ++r) levers_.nodes.at[r][node] = sum[r];
+    for_each_node(2, [&](std::size_t node) {
+      for (int a = 0; a < 3; ++a) levers_.nodes.at[a][node] = around(node, a);
     });
   }
-  void gather(int ring) const {
-    for_each_cell(ring, [&](std::size_t cell) {
-      Quad<T> sum[3];
-      for (int i = 0; i < 8; ++i)
-        for (int r = 0; r < 3; ++r) sum[r] += levers_.nodes.at[r][cell + line_.corner(i)];
-      for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, sum[r].vector());
-      levers_.cells.at[0][cell].v[3] = sum[0].v[3];
+  void gather() const {
+    for_each_cell(1, [&](std::size_t cell) {
+      for (int a = 0; a < 3; ++a) levers_.cells.at[a][cell] = of_nodes(cell, a);
     });
   }
   // Carries a velocity to the nodes, with the gradients around.
-  void carry(Velocity<T> from, Velocity<T> to) const {
-    std::copy(from.data + line_.begin, from.data + line_.end, to.data + line_.begin);
+  void carry(Velocity<T> velocity) const {
     for_each_node(1, [&](std::size_t node) {
-      Quad<T> rows[3];
-      add_around(node, rows);
-      const auto lever = levers_.at[node].vector();
-      for (int r = 0; r < 3; ++r) to[node].v[r] += dot(rows[r].vector(), lever);
+      const auto lever = levers_.at[node].v;
+      auto more = lever[0] * around(node, 0).v;
+      more += lever[1] * around(node, 1).v;
+      more += lever[2] * around(node, 2).v;
+      velocity[node].v += more;
     });
   }
-  // Adds what moments of the cells, times their mass, are as forces.
+  // Copies what nodes have to which velocities are carried.
+  void copy(Velocity<T> from, Velocity<T> to) const {
+    for_each_node(1, [&](std::size_t node) { to[node] = from[node]; });
+  }
+
+  // Finds what forces do to the gradients at the nodes; then in the cells.
+  void find_moments(Force<T> force) const {
+    for_each_node(1, [&](std::size_t node) {
+      const auto lever = levers_.at[node].v;
+      for (int a = 0; a < 3; ++a) levers_.nodes.at[a][node].v = lever[a] * force[node].v;
+    });
+    for_each_beyond(marks_.nodes, 1, [&](std::size_t node) { levers_.nodes.clear(node); });
+  }
+  void gather_moments() const {
+    gather();
+    for_each_beyond(marks_.cells, 1, [&](std::size_t cell) { levers_.cells.clear(cell); });
+  }
+  // Adds up as spread() does, for the nodes of all cells.
+  void spread_moments() const {
+    spread();
+    for_each_beyond(marks_.nodes, 2, [&](std::size_t node) { levers_.nodes.clear(node); });
+  }
+  // Finds what slopes in the cells the forces of their moments have.
+  void find_slopes() const {
+    for_each_cell(2, [&](std::size_t cell) {
+      const T share = T(0.25) * levers_.mass[cell];
+      const Four<T> shares{share, share, share, T(0)};
+      for (int a = 0; a < 3; ++a) levers_.cells.at[a][cell].v = shares * of_nodes(cell, a).v;
+    });
+  }
+  // Adds these forces.
   void carry_back(Force<T> force) const {
     for_each_node(3, [&](std::size_t node) {
-      Vec3<T> sum{};
-      for_each_cell_around(node, [&](std::size_t cell, int i) {
-        const T share = T(0.25) * levers_.mass(cell);
-        const Vec3<T> slope{side(i, 4) * share, side(i, 2) * share, side(i, 1) * share};
-        for (int r = 0; r < 3; ++r) sum[r] += dot(levers_.cells.row(cell, r), slope);
+      Quad<T> sum;
+      for_each_around(node, [&](std::size_t cell, int i) {
+        for (int a = 0; a < 3; ++a) {
+          const auto& slope = levers_.cells.at[a][cell].v;
+          if (i & 4 >> a)
+            sum.v += slope;
+          else
+            sum.v -= slope;
+        }
       });
-      force[node].set_vector(force[node].vector() + sum);
+      force[node] += sum;
     });
   }
 
  private:
-  static T side(int i, int bit) { return i & bit ? T(1) : T(-1); }
-
   template <class F>
   void for_each_node(int ring, F&& f) const {
-    for_each_marked(marks_.nodes[ring], line_.begin, line_.end, f);
+    rows_.for_each(marks_.nodes[ring], row_, f);
   }
   template <class F>
   void for_each_cell(int ring, F&& f) const {
-    for_each_marked(marks_.cells[ring], line_.begin, line_.end_of_cells, f);
+    rows_.for_each(marks_.cells[ring], row_, f);
   }
-  // Calls f(cell, i) for the cells with mass of which a node is corner i.
+  // Calls f for those of the next ring that are not in a ring.
   template <class F>
-  void for_each_cell_around(std::size_t node, F&& f) const {
-    for (unsigned bits = marks_.around[node]; bits != 0; bits &= bits - 1) {
-      const int i = std::countr_zero(bits);
-      f(node - line_.corner(i), i);
-    }
+  void for_each_beyond(Bits* const (&of)[LeverMarks::rings], int ring, F&& f) const {
+    rows_.for_each_set(row_, [&](std::size_t w) { return of[ring + 1][w] & ~of[ring][w]; }, f);
   }
-  void add_around(std::size_t node, Quad<T> (&sum)[3]) const {
-    for_each_cell_around(node, [&](std::size_t cell, int) {
-      for (int r = 0; r < 3; ++r) sum[r] += levers_.cells.at[r][cell];
-    });
+  // Takes the cells without mass out of the rings. Cells around nodes that are in none have nothing.
+  void take_out_the_empty() const {
+    rows_.keep(marks_.cells[2], row_, [&](std::size_t cell) { return levers_.mass[cell] > T(0); });
+    rows_.for_each_word(row_, [&](std::size_t w) { marks_.cells[1][w] &= marks_.cells[2][w]; });
+    const auto beside = [&](std::size_t w) {
+      return rows_.of_nodes(marks_.nodes[3], row_, w, std::bit_or()) & ~marks_.cells[2][w];
+    };
+    rows_.for_each_set(row_, beside, [&](std::size_t cell) { levers_.cells.clear(cell); });
+  }
+  // Calls f(cell, i) for the cells of which a node is corner i. None begins before the first node.
+  template <class F>
+  void for_each_around(std::size_t node, F&& f) const {
+    if (row_.first >= corner_[7]) {
+      for (int i = 0; i < 8; ++i) f(node - corner_[i], i);
+      return;
+    }
+    for (int i = 0; i < 8; ++i)
+      if (corner_[i] <= node) f(node - corner_[i], i);
+  }
+  // Returns the sum of what the cells around a node have, and the nodes of a cell, along an axis.
+  Quad<T> around(std::size_t node, int axis) const {
+    Quad<T> sum;
+    for_each_around(node, [&](std::size_t cell, int) { sum += levers_.cells.at[axis][cell]; });
+    return sum;
+  }
+  Quad<T> of_nodes(std::size_t cell, int axis) const {
+    Quad<T> sum;
+    for (const std::size_t corner : corner_) sum += levers_.nodes.at[axis][cell + corner];
+    return sum;
   }
   Vec3<T> per_span(std::size_t node, const Vec3<T>& lever) const {
-    Quad<T> sum[3];
-    add_around(node, sum);
     Three<T> span;
-    for (int r = 0; r < 3; ++r)
-      for (int a = 0; a < 3; ++a) span.at[r][a] = sum[r].v[a];
-    const T weight = sum[0].v[3];
+    T weight{};
+    for (int a = 0; a < 3; ++a) {
+      const auto sum = around(node, a).v;
+      for (int r = 0; r < 3; ++r) span.at[r][a] = sum[r];
+      if (a == 0) weight = sum[3];
+    }
     return span.determinant() > least_span<T> * weight * weight * weight ? span.solve(lever) : Vec3<T>{};
   }
 
-  // Sets the rows of a cell to the mean slopes, per cell, of a nodal vector, times a factor.
+  // Sets what a cell has to the mean slopes, per cell, of a nodal vector, times a factor.
   void set_slopes(std::size_t cell, T factor, const Quad<T>* nodes) const {
-    const auto at = [&](int i) -> const Four<T>& { return nodes[cell + line_.corner(i)].v; };
+    const auto at = [&](int i) -> const Four<T>& { return nodes[cell + corner_[i]].v; };
     const auto a = at(0), b = at(1), c = at(2), d = at(3), e = at(4), f = at(5), g = at(6), h = at(7);
-    const auto x = (e + f + g + h) - (a + b + c + d), y = (c + d + g + h) - (a + b + e + f),
-               z = (b + d + f + h) - (a + c + e + g);
     const T share = T(0.25) * factor;
-    for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, {share * x[r], share * y[r], share * z[r]});
+    const Four<T> shares{share, share, share, T(0)};
+    levers_.cells.at[0][cell].v = shares * ((e + f + g + h) - (a + b + c + d));
+    levers_.cells.at[1][cell].v = shares * ((c + d + g + h) - (a + b + e + f));
+    levers_.cells.at[2][cell].v = shares * ((b + d + f + h) - (a + c + e + g));
   }
 
   const Levers<T>& levers_;
-  const LeverMarks<T>& marks_;
-  const Line<T>& line_;
+  const LeverMarks& marks_;
+  const RowBits<T>& rows_;
+  const Row& row_;
+  std::size_t corner_[8];  // at the upper end of the axes whose bits it has: 4 x, 2 y, 1 z
 };
 
-// What a mirror does to the rows of a cell: r is a component of what is mirrored, as `face` does it, a an
-// axis.
+// Returns what a mirror does to the slopes along an axis; the fourth number stays. `face` is the mirror, an
+// upper or a lower face across `face_axis`.
 template <class T>
-Vec3<T> mirrored_row(Face face, int face_axis, int r, Vec3<T> row) {
-  row[face_axis] = -row[face_axis];
-  return T(mirror_sign(face, face_axis, r)) * row;
+Quad<T> mirrored_slope(Face face, int face_axis, int axis, const Quad<T>& slope) {
+  const auto sign = [&](int component) {
+    return T(mirror_sign(face, face_axis, component) * (axis == face_axis ? -1 : 1));
+  };
+  return {Four<T>{sign(0), sign(1), sign(2), T(1)} * slope.v};
 }
 
 }  // namespace pockmark

@@ -70,7 +70,8 @@ class Filter {
     const auto mean = to_grid(first, Mirrored::vector);
     at_nodes_.find(
         mean, [&](std::size_t p) { return connected_.has(p) ? driver_.points().at(Field::mass)[p] : T(0); });
-    add(T(1), at_nodes_.of(mean), sum);
+    at_nodes_.carry(mean);
+    add(T(1), mean, sum);
     map_rest(sum, first);
     add_series(first, second, sum);
     map_rest(sum, first);

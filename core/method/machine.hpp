@@ -2,6 +2,7 @@
 // of those before.
 #pragma once
 #include <optional>
+#include <vector>
 
 #include "../levers.hpp"
 #include "../timers.hpp"
@@ -20,6 +21,15 @@ struct Machine {
   TransmittingFaces<T> transmitting;
   std::optional<Contact<T>> contact;
   Timers timers;
+  std::vector<Bits> bits;  // of nodes and cells (row_bits.hpp)
+
+  // Makes room for what nodes and cells have: all zero.
+  void allocate() {
+    driver.allocate(model.grid, array_count());
+    const RowBits<T> rows(model.grid);
+    const std::size_t columns = model.is_linear() ? LeverMarks::columns : 0;
+    bits.assign(columns * (rows.margin() + rows.words()), 0);
+  }
 
   // Calls f(name, part) for everything that a step reads of the steps before it, a number or an array: to
   // save it, or, where F::restores, to replace it. Throws std::invalid_argument if what f puts there does not
@@ -47,12 +57,15 @@ struct Machine {
   }
   Levers<T> levers() {
     if (!model.is_linear()) return {};
-    const auto row = [&](int i) { return driver.template nodes<Nodal::rows>(first_lever() + i); };
+    const auto slope = [&](int i) { return driver.template nodes<Nodal::slopes>(first_lever() + i); };
+    T* const numbers = reinterpret_cast<T*>(driver.template nodes<Nodal::cell>(first_lever() + 8).data);
+    const std::size_t nodes = model.grid.field_count * model.grid.node_count();
     return {driver.template nodes<Nodal::lever>(first_lever()),
-            {{row(1), row(2), row(3)}},
-            {{row(4), row(5), row(6)}},
-            LeverMarks<T>::in(driver.template nodes<Nodal::cell>(first_lever() + 8),
-                              model.grid.field_count * model.grid.node_count())};
+            {{slope(1), slope(2), slope(3)}},
+            {{slope(4), slope(5), slope(6)}},
+            numbers,
+            numbers + nodes,
+            LeverMarks::in(bits.data(), RowBits<T>(model.grid))};
   }
   Velocity<T> carried() {
     if (!model.is_linear()) return {};

@@ -28,6 +28,7 @@ class Solver {
            {},
            {},
            {},
+           {},
            {}} {
     allocate();
   }
@@ -157,7 +158,7 @@ class Solver {
   }
 
  private:
-  void allocate() { m_.driver.allocate(m_.model.grid, m_.array_count()); }
+  void allocate() { m_.allocate(); }
   void begin_anchorage() {
     m_.transmitting.anchorage().begin(m_.model.grid, m_.model.materials.size());
     anchorage_bytes_ = m_.transmitting.anchorage().bytes();

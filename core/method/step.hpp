@@ -58,14 +58,17 @@ class Step {
         m_.contact->template find<Shape>(model_, driver_, before, m_.surface(), T(dt()));
         fit(before);
       });
-    m_.timers.time("stress", [&] { volume_.begin(at_nodes_.of(before)); });
+    m_.timers.time("stress", [&] {
+      at_nodes_.carry(before);
+      volume_.begin(before);
+    });
     return before;
   }
 
   // (3), (4): strains the points by the velocity that was mapped, and returns the forces of the new stress.
   Force<T> stress_and_force(Velocity<T> before, const Pay& pay) {
     const auto force = m_.force();
-    stress(at_nodes_.latest(before), pay, [&](auto&& update) {
+    stress(before, pay, [&](auto&& update) {
       driver_.scatter([&](int slot, const Block& block) {
         Columns<T, 6> push;
         update(slot, block, push);
@@ -77,7 +80,8 @@ class Step {
   }
   // (3) alone: strains the points by a nodal velocity.
   void stress_only(Velocity<T> velocity, const Pay& pay) {
-    stress(straining(velocity), pay, [&](auto&& update) {
+    carry(velocity);
+    stress(velocity, pay, [&](auto&& update) {
       driver_.for_each_awake_block([&](int slot, const Block& block) {
         Columns<T, 6> push;
         update(slot, block, push);
@@ -150,7 +154,7 @@ class Step {
   // three.
   void update_velocities_and_move(Velocity<T> before, Velocity<T> after) {
     const auto momentum = m_.other_momentum();
-    const auto motion = at_nodes_.of(after);
+    const auto motion = at_nodes_.carried(after);
     velocities(
         [&](auto&& update) {
           regroup(
@@ -182,10 +186,10 @@ class Step {
   }
   // Does the same, after a last strain by a nodal velocity.
   void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
-    const auto velocity = straining(by);
+    carry(by);
     move_with(at_nodes_.latest(after), [&](const Block& block) {
       StrainColumns<T> strains;
-      volume_.gather(block, velocity, T(dt), strains);
+      volume_.gather(block, by, T(dt), strains);
       strain_points<V, Hints>(driver_.points(), model_.materials.data(), block, strains);
     });
   }
@@ -208,10 +212,12 @@ class Step {
     constrain(driver_, grid_, model_.faces, velocity);
   }
 
-  // Returns the velocity at the nodes, of which the strains are, and lets the cells know of it.
-  Velocity<T> straining(Velocity<T> mean) {
-    m_.timers.time("stress", [&] { volume_.find(at_nodes_.of(mean)); });
-    return at_nodes_.latest(mean);
+  // Carries a velocity to the nodes, of which the strains are, and lets the cells know of it.
+  void carry(Velocity<T> mean) {
+    m_.timers.time("stress", [&] {
+      at_nodes_.carry(mean);
+      volume_.find(mean);
+    });
   }
   void add_forces(const Block& block, Columns<T, 6>& push, Force<T> force) {
     volume_.take_mean_stress(block, push);
@@ -222,6 +228,7 @@ class Step {
     finish(force);
     volume_.add_to(force);
     at_nodes_.take_back(force);
+    at_nodes_.put_back();
   }
 
   // Calls walk(update) with update(slot, block, push), which strains a block: block by block, while its
