@@ -68,7 +68,6 @@ enum class Nodal {
   surface,   // what tells where a body ends (contact.hpp)
   cell,      // numbers of cells or nodes, in columns (cells.hpp, levers.hpp)
   lever,     // from the mass centre of the node's points to the node, cells (levers.hpp)
-  slopes,    // along an axis (levers.hpp)
 };
 
 // What the kernels see of a nodal array: all nodes, field after field.

@@ -15,26 +15,36 @@
 
 namespace pockmark {
 
-// What slopes along x, y and z a vector has at each node or of each cell: its change along one axis is one
-// quad, so that no number changes its lane.
+// The slopes of a vector along x, y and z, at a node or of a cell: a quad each, so that no number changes its
+// lane.
 template <class T>
 struct Slopes {
-  NodeField<T, Nodal::slopes> at[3];
+  Quad<T> along[3];
 
-  PM_HD void clear(std::size_t i) const {
-    for (const auto& along : at) along[i] = {};
+  PM_HD Slopes& operator+=(const Slopes& b) {
+    for (int a = 0; a < 3; ++a) along[a] += b.along[a];
+    return *this;
+  }
+  PM_HD friend Slopes operator+(Slopes a, const Slopes& b) { return a += b; }
+  PM_HD friend Slopes operator*(const Quad<T>& f, Slopes a) {
+    for (auto& one : a.along) one.v = f.v * one.v;
+    return a;
   }
 };
 
-// What it takes. The fourth number of a lever is the mass of the node at first. Levers and sums of nodes are
-// set and read in ring 3, what cells have in ring 2: the cells beside these have nothing.
+// What it takes. The fourth number of a lever is the mass of the node at first. Levers are set and read in
+// ring 3, what cells have in ring 2: the cells beside these have nothing.
 template <class T>
 struct Levers {
   NodeField<T, Nodal::lever> at;  // from the mass centre to the node, in cells; then what gradients multiply
-  Slopes<T> cells, nodes;
-  T* filling;  // of a node: its mass per space in the grid
-  T* mass;     // of a cell
+  T* filling;                     // of a node: its mass per space in the grid
+  T* mass;                        // of a cell
+  Slopes<T>* own;                 // of a cell
+  Slopes<T>* wide;                // sums over the cells around it
   LeverMarks marks;
+
+  // How many cells without anything lie in memory before the first one.
+  static std::size_t margin(const GridGeometry<T>& grid) { return grid.index(1, 1, 1); }
 };
 
 // Mass centres that span less than this share of the space of their cells lie near a plane, a row or one
@@ -86,23 +96,27 @@ struct Three {
   }
 };
 
-// What is done to the nodes and cells of a row.
+// What is done to the nodes and cells of a row. Where eight are added up, the four at either end along z are
+// one sum for two that follow one another.
 template <class T>
 class LeverRow {
  public:
   LeverRow(const GridGeometry<T>& grid, const RowBits<T>& rows, const Levers<T>& levers, const Row& row)
-      : levers_(levers), marks_(levers.marks), rows_(rows), row_(row) {
-    for (int i = 0; i < 8; ++i) corner_[i] = grid.index(i >> 2, i >> 1 & 1, i & 1);
-  }
+      : levers_(levers),
+        marks_(levers.marks),
+        rows_(rows),
+        row_(row),
+        x_(grid.index(1, 0, 0)),
+        y_(grid.index(0, 1, 0)) {}
 
   // Forgets the moments of the last step.
   void clear() const {
-    for_each_node(3, [&](std::size_t node) { levers_.at[node] = {}; });
-    for_each_cell(2, [&](std::size_t cell) { levers_.mass[cell] = T(0); });
+    rows_.for_each(marks_.nodes[3], row_, [&](std::size_t node) { levers_.at[node] = {}; });
+    rows_.for_each(marks_.cells[2], row_, [&](std::size_t cell) { levers_.mass[cell] = T(0); });
   }
   // Turns moments into levers.
   void find_levers() const {
-    for_each_node(3, [&](std::size_t node) {
+    rows_.for_each(marks_.nodes[3], row_, [&](std::size_t node) {
       auto& at = levers_.at[node];
       at.set_vector(at.v[3] > least_mass<T> ? (T(-1) / at.v[3]) * at.vector() : Vec3<T>{});
     });
@@ -111,102 +125,93 @@ class LeverRow {
   // matrix where they lie at the nodes. The fourth number along x is the mass.
   void find_spans() const {
     take_out_the_empty();
-    for_each_cell(2, [&](std::size_t cell) {
+    find_slopes(levers_.at.data, [&](std::size_t cell, const Slopes<T>& slopes) {
       const T mass = levers_.mass[cell];
-      set_slopes(cell, -mass, levers_.at.data);
-      for (int a = 0; a < 3; ++a) levers_.cells.at[a][cell].v[a] += mass;
-      levers_.cells.at[0][cell].v[3] = mass;
+      auto& own = levers_.own[cell] = shares_of(-mass) * slopes;
+      for (int a = 0; a < 3; ++a) own.along[a].v[a] += mass;
+      own.along[0].v[3] = mass;
     });
   }
   // Ends with what a lever is to be multiplied with: the inverse of the mean of these slopes.
   void divide_by_spans() const {
-    for_each_node(1, [&](std::size_t node) {
+    add_around([&](std::size_t node, const Slopes<T>& sum) {
       auto& at = levers_.at[node];
-      at.set_vector(per_span(node, at.vector()));
+      at.set_vector(per_span(sum, at.vector()));
     });
+    for_each_beyond(marks_.nodes, 1, [&](std::size_t node) { levers_.at[node] = {}; });
   }
 
   // Finds the velocity gradients of the cells, times their mass.
   void find_gradients(Velocity<T> velocity) const {
-    for_each_cell(2, [&](std::size_t cell) { set_slopes(cell, levers_.mass[cell], velocity.data); });
-  }
-  // Adds up what the cells around each node have; then what the nodes of each cell have.
-  void spread() const {
-    for_each_node(2, [&](std::size_t node) {
-      for (int a = 0; a < 3; ++a) levers_.nodes.at[a][node] = around(node, a);
+    find_slopes(velocity.data, [&](std::size_t cell, const Slopes<T>& slopes) {
+      levers_.own[cell] = shares_of(levers_.mass[cell]) * slopes;
     });
   }
-  void gather() const {
-    for_each_cell(1, [&](std::size_t cell) {
-      for (int a = 0; a < 3; ++a) levers_.cells.at[a][cell] = of_nodes(cell, a);
-    });
+  // Adds up what the cells around each cell have: one, two and one along each axis, which is the sum over its
+  // nodes of the sums over their cells.
+  void widen() const {
+    widen(1, [&](std::size_t cell, const Slopes<T>& sum) { levers_.wide[cell] = sum; });
   }
-  // Carries a velocity to the nodes, with the gradients around.
-  void carry(Velocity<T> velocity) const {
-    for_each_node(1, [&](std::size_t node) {
+  // Carries a velocity to the nodes, with the gradients around. What they had is kept.
+  void carry(Velocity<T> velocity, Velocity<T> kept) const {
+    add_around([&](std::size_t node, const Slopes<T>& sum) {
+      kept[node] = velocity[node];
       const auto lever = levers_.at[node].v;
-      auto more = lever[0] * around(node, 0).v;
-      more += lever[1] * around(node, 1).v;
-      more += lever[2] * around(node, 2).v;
-      velocity[node].v += more;
+      for (int a = 0; a < 3; ++a) velocity[node].v += lever[a] * sum.along[a].v;
     });
   }
-  // Copies what nodes have to which velocities are carried.
-  void copy(Velocity<T> from, Velocity<T> to) const {
-    for_each_node(1, [&](std::size_t node) { to[node] = from[node]; });
+  void put_back(Velocity<T> kept, Velocity<T> velocity) const {
+    rows_.for_each(marks_.nodes[1], row_, [&](std::size_t node) { velocity[node] = kept[node]; });
   }
 
-  // Finds what forces do to the gradients at the nodes; then in the cells.
+  // Finds what forces do to the gradients of the cells.
   void find_moments(Force<T> force) const {
-    for_each_node(1, [&](std::size_t node) {
-      const auto lever = levers_.at[node].v;
-      for (int a = 0; a < 3; ++a) levers_.nodes.at[a][node].v = lever[a] * force[node].v;
+    const auto across = [&](std::size_t first) PM_INLINE {
+      Slopes<T> sum;
+      for (const std::size_t node : {first, first + y_, first + x_, first + x_ + y_}) {
+        const auto lever = levers_.at[node].v;
+        for (int a = 0; a < 3; ++a) add_scaled(sum.along[a], lever[a], force[node]);
+      }
+      return sum;
+    };
+    rows_.for_each_run(marks_.cells[1], row_, [&](std::size_t begin, std::size_t end) {
+      Slopes<T> lower = across(begin);
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        const Slopes<T> upper = across(cell + 1);
+        levers_.own[cell] = lower + upper;
+        lower = upper;
+      }
     });
-    for_each_beyond(marks_.nodes, 1, [&](std::size_t node) { levers_.nodes.clear(node); });
+    for_each_beyond(marks_.cells, 1, [&](std::size_t cell) { levers_.own[cell] = {}; });
   }
-  void gather_moments() const {
-    gather();
-    for_each_beyond(marks_.cells, 1, [&](std::size_t cell) { levers_.cells.clear(cell); });
-  }
-  // Adds up as spread() does, for the nodes of all cells.
-  void spread_moments() const {
-    spread();
-    for_each_beyond(marks_.nodes, 2, [&](std::size_t node) { levers_.nodes.clear(node); });
-  }
-  // Finds what slopes in the cells the forces of their moments have.
-  void find_slopes() const {
-    for_each_cell(2, [&](std::size_t cell) {
-      const T share = T(0.25) * levers_.mass[cell];
-      const Four<T> shares{share, share, share, T(0)};
-      for (int a = 0; a < 3; ++a) levers_.cells.at[a][cell].v = shares * of_nodes(cell, a).v;
+  // Adds them up as widen() does, for more cells, and finds the slopes that their forces have.
+  void widen_moments() const {
+    widen(2, [&](std::size_t cell, const Slopes<T>& sum) {
+      levers_.wide[cell] = shares_of(levers_.mass[cell]) * sum;
     });
   }
   // Adds these forces.
   void carry_back(Force<T> force) const {
-    for_each_node(3, [&](std::size_t node) {
-      Quad<T> sum;
-      for_each_around(node, [&](std::size_t cell, int i) {
-        for (int a = 0; a < 3; ++a) {
-          const auto& slope = levers_.cells.at[a][cell].v;
-          if (i & 4 >> a)
-            sum.v += slope;
-          else
-            sum.v -= slope;
-        }
-      });
-      force[node] += sum;
+    struct Level {
+      Quad<T> across, along;
+    };
+    const auto level = [&](std::size_t upper) PM_INLINE {
+      const auto &a = levers_.wide[upper - x_ - y_].along, &b = levers_.wide[upper - x_].along,
+                 &c = levers_.wide[upper - y_].along, &d = levers_.wide[upper].along;
+      return Level{{(a[0].v + b[0].v) - (c[0].v + d[0].v) + ((a[1].v + c[1].v) - (b[1].v + d[1].v))},
+                   {(a[2].v + b[2].v) + (c[2].v + d[2].v)}};
+    };
+    rows_.for_each_run(marks_.nodes[3], row_, [&](std::size_t begin, std::size_t end) {
+      Level lower = level(begin - 1);
+      for (std::size_t node = begin; node < end; ++node) {
+        const Level upper = level(node);
+        force[node].v += (lower.across.v + upper.across.v) + (lower.along.v - upper.along.v);
+        lower = upper;
+      }
     });
   }
 
  private:
-  template <class F>
-  void for_each_node(int ring, F&& f) const {
-    rows_.for_each(marks_.nodes[ring], row_, f);
-  }
-  template <class F>
-  void for_each_cell(int ring, F&& f) const {
-    rows_.for_each(marks_.cells[ring], row_, f);
-  }
   // Calls f for those of the next ring that are not in a ring.
   template <class F>
   void for_each_beyond(Bits* const (&of)[LeverMarks::rings], int ring, F&& f) const {
@@ -219,66 +224,96 @@ class LeverRow {
     const auto beside = [&](std::size_t w) {
       return rows_.of_nodes(marks_.nodes[3], row_, w, std::bit_or()) & ~marks_.cells[2][w];
     };
-    rows_.for_each_set(row_, beside, [&](std::size_t cell) { levers_.cells.clear(cell); });
+    rows_.for_each_set(row_, beside, [&](std::size_t cell) { levers_.own[cell] = levers_.wide[cell] = {}; });
   }
-  // Calls f(cell, i) for the cells of which a node is corner i. None begins before the first node.
+  // Returns what slopes, four times too large, are multiplied with. The fourth number is no part of them.
+  static Quad<T> shares_of(T mass) {
+    const T share = T(0.25) * mass;
+    return Quad<T>{{share, share, share, T(0)}};
+  }
+  // Calls f(cell, slopes) for the cells of ring 2, with four times the mean slopes, per cell, of a vector that
+  // the nodes have.
   template <class F>
-  void for_each_around(std::size_t node, F&& f) const {
-    if (row_.first >= corner_[7]) {
-      for (int i = 0; i < 8; ++i) f(node - corner_[i], i);
-      return;
-    }
-    for (int i = 0; i < 8; ++i)
-      if (corner_[i] <= node) f(node - corner_[i], i);
+  void find_slopes(const Quad<T>* nodes, F&& f) const {
+    const auto level = [&](std::size_t node) PM_INLINE {
+      const auto &a = nodes[node].v, &b = nodes[node + y_].v, &c = nodes[node + x_].v,
+                 &d = nodes[node + x_ + y_].v;
+      return Slopes<T>{{{(c + d) - (a + b)}, {(b + d) - (a + c)}, {(a + b) + (c + d)}}};
+    };
+    rows_.for_each_run(marks_.cells[2], row_, [&](std::size_t begin, std::size_t end) {
+      Slopes<T> lower = level(begin);
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        const Slopes<T> upper = level(cell + 1);
+        Slopes<T> slopes = lower + upper;
+        slopes.along[2].v = upper.along[2].v - lower.along[2].v;
+        f(cell, slopes);
+        lower = upper;
+      }
+    });
   }
-  // Returns the sum of what the cells around a node have, and the nodes of a cell, along an axis.
-  Quad<T> around(std::size_t node, int axis) const {
-    Quad<T> sum;
-    for_each_around(node, [&](std::size_t cell, int) { sum += levers_.cells.at[axis][cell]; });
-    return sum;
+  // Calls f(cell, sum) for the cells of a ring.
+  template <class F>
+  void widen(int ring, F&& f) const {
+    const auto line = [&](std::size_t cell) PM_INLINE {
+      const auto* const own = levers_.own + cell;
+      return twice(*own) + (*(own - y_) + own[y_]);
+    };
+    const auto across = [&](std::size_t cell) PM_INLINE {
+      return twice(line(cell)) + (line(cell - x_) + line(cell + x_));
+    };
+    rows_.for_each_run(marks_.cells[ring], row_, [&](std::size_t begin, std::size_t end) {
+      Slopes<T> lower = across(begin - 1), own = across(begin);
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        const Slopes<T> upper = across(cell + 1);
+        f(cell, twice(own) + (lower + upper));
+        lower = own;
+        own = upper;
+      }
+    });
   }
-  Quad<T> of_nodes(std::size_t cell, int axis) const {
-    Quad<T> sum;
-    for (const std::size_t corner : corner_) sum += levers_.nodes.at[axis][cell + corner];
-    return sum;
+  static Slopes<T> twice(const Slopes<T>& a) { return a + a; }
+  // Calls f(node, sum) for the nodes of ring 1, with what the cells around have.
+  template <class F>
+  void add_around(F&& f) const {
+    const auto across = [&](std::size_t cell) PM_INLINE {
+      const auto* const wide = levers_.wide + cell;
+      return (*wide + *(wide - y_)) + (*(wide - x_) + *(wide - x_ - y_));
+    };
+    rows_.for_each_run(marks_.nodes[1], row_, [&](std::size_t begin, std::size_t end) {
+      Slopes<T> lower = across(begin - 1);
+      for (std::size_t node = begin; node < end; ++node) {
+        const Slopes<T> upper = across(node);
+        f(node, lower + upper);
+        lower = upper;
+      }
+    });
   }
-  Vec3<T> per_span(std::size_t node, const Vec3<T>& lever) const {
+  static Vec3<T> per_span(const Slopes<T>& sum, const Vec3<T>& lever) {
     Three<T> span;
-    T weight{};
-    for (int a = 0; a < 3; ++a) {
-      const auto sum = around(node, a).v;
-      for (int r = 0; r < 3; ++r) span.at[r][a] = sum[r];
-      if (a == 0) weight = sum[3];
-    }
+    for (int r = 0; r < 3; ++r)
+      for (int a = 0; a < 3; ++a) span.at[r][a] = sum.along[a].v[r];
+    const T weight = sum.along[0].v[3];
     return span.determinant() > least_span<T> * weight * weight * weight ? span.solve(lever) : Vec3<T>{};
-  }
-
-  // Sets what a cell has to the mean slopes, per cell, of a nodal vector, times a factor.
-  void set_slopes(std::size_t cell, T factor, const Quad<T>* nodes) const {
-    const auto at = [&](int i) -> const Four<T>& { return nodes[cell + corner_[i]].v; };
-    const auto a = at(0), b = at(1), c = at(2), d = at(3), e = at(4), f = at(5), g = at(6), h = at(7);
-    const T share = T(0.25) * factor;
-    const Four<T> shares{share, share, share, T(0)};
-    levers_.cells.at[0][cell].v = shares * ((e + f + g + h) - (a + b + c + d));
-    levers_.cells.at[1][cell].v = shares * ((c + d + g + h) - (a + b + e + f));
-    levers_.cells.at[2][cell].v = shares * ((b + d + f + h) - (a + c + e + g));
   }
 
   const Levers<T>& levers_;
   const LeverMarks& marks_;
   const RowBits<T>& rows_;
   const Row& row_;
-  std::size_t corner_[8];  // at the upper end of the axes whose bits it has: 4 x, 2 y, 1 z
+  std::size_t x_, y_;  // to the next node along an axis
 };
 
-// Returns what a mirror does to the slopes along an axis; the fourth number stays. `face` is the mirror, an
-// upper or a lower face across `face_axis`.
+// Returns what a mirror does to slopes; fourth numbers stay. `face` is the mirror, across `face_axis`.
 template <class T>
-Quad<T> mirrored_slope(Face face, int face_axis, int axis, const Quad<T>& slope) {
-  const auto sign = [&](int component) {
-    return T(mirror_sign(face, face_axis, component) * (axis == face_axis ? -1 : 1));
-  };
-  return {Four<T>{sign(0), sign(1), sign(2), T(1)} * slope.v};
+Slopes<T> mirrored(Face face, int face_axis, const Slopes<T>& slopes) {
+  Slopes<T> out;
+  for (int a = 0; a < 3; ++a) {
+    const auto sign = [&](int component) {
+      return T(mirror_sign(face, face_axis, component) * (a == face_axis ? -1 : 1));
+    };
+    out.along[a].v = Four<T>{sign(0), sign(1), sign(2), T(1)} * slopes.along[a].v;
+  }
+  return out;
 }
 
 }  // namespace pockmark

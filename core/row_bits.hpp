@@ -67,6 +67,17 @@ class RowBits {
   void for_each(const Bits* column, const Row& row, F&& f) const {
     for_each_set(row, [&](std::size_t w) { return column[w]; }, f);
   }
+  // Calls f(first node, end) for bits that are set side by side in a word.
+  template <class F>
+  void for_each_run(const Bits* column, const Row& row, F&& f) const {
+    std::size_t first = row.first;
+    for (std::size_t w = row.word; w < row.word + per_row_; ++w, first += 64)
+      for (Bits left = column[w]; left != 0;) {
+        const int begin = std::countr_zero(left), end = begin + std::countr_one(left >> begin);
+        f(first + std::size_t(begin), first + std::size_t(end));
+        left = end == 64 ? 0 : left >> end << end;
+      }
+  }
   // Takes out the bits of the nodes that keep(node) does not want.
   template <class F>
   void keep(Bits* column, const Row& row, F&& keep) const {

@@ -71,7 +71,6 @@ class NodeVelocity {
   void carry(Velocity<T> mean) {
     latest_ = mean;
     if (!is_linear_) return;
-    walk([&](const auto& row) { row.copy(mean, spare_); });
     carry_on(mean);
   }
   // Does the same with a copy of it, for which there is one array.
@@ -86,7 +85,7 @@ class NodeVelocity {
   // Puts the means back where carry() has carried a velocity last.
   void put_back() {
     if (!is_linear_) return;
-    walk([&](const auto& row) { row.copy(spare_, latest_); });
+    walk([&](const auto& row) { row.put_back(spare_, latest_); });
     constrain(on_faces_, faces_, latest_);
   }
   // Returns the velocity that carry() has carried last, or `mean` where it is that.
@@ -96,11 +95,9 @@ class NodeVelocity {
     if (!is_linear_) return;
     constrain(on_faces_, faces_, force);
     walk([&](const auto& row) { row.find_moments(force); });
-    walk([](const auto& row) { row.gather_moments(); });
-    fold_cells();
-    walk([](const auto& row) { row.spread_moments(); });
-    walk([](const auto& row) { row.find_slopes(); });
-    fold_cells();
+    fold_cells(levers_.own);
+    walk([](const auto& row) { row.widen_moments(); });
+    fold_cells(levers_.wide);
     walk([&](const auto& row) { row.carry_back(force); });
   }
 
@@ -163,24 +160,17 @@ class NodeVelocity {
   void carry_on(Velocity<T> mean) const {
     walk([&](const auto& row) { row.find_gradients(mean); });
     widen(faces_);
-    walk([&](const auto& row) { row.carry(mean); });
+    walk([&](const auto& row) { row.carry(mean, spare_); });
     constrain(on_faces_, faces_, mean);
   }
-  // Adds up what cells have over those around, two away; the last sum, over the cells of a node, is left to
-  // do. The fourth number along x goes along.
+  // Adds up what cells have over those around; the last sum, over the cells of a node, is left to do.
   void widen(const Faces& faces) const {
-    const auto copy = [&] {
-      for (const Image& one : images_)
-        for (int a = 0; a < 3; ++a)
-          levers_.cells.at[a][one.image] = mirrored(faces, one.face, a, levers_.cells.at[a][one.cell]);
+    const auto copy = [&](Slopes<T>* cells) {
+      for (const Image& one : images_) cells[one.image] = seen_in(faces, one, cells[one.cell]);
     };
-    copy();
-    walk([](const auto& row) { row.spread(); });
-    walk([](const auto& row) { row.gather(); });
-    copy();
-  }
-  static Quad<T> mirrored(const Faces& faces, int face, int axis, const Quad<T>& slope) {
-    return mirrored_slope(faces[face], face / 2, axis, slope);
+    copy(levers_.own);
+    walk([](const auto& row) { row.widen(); });
+    copy(levers_.wide);
   }
   // Takes the levers from the nodes behind mirrors: their images speak for them.
   void forget_outside() const {
@@ -188,13 +178,14 @@ class NodeVelocity {
       for (const FaceNode& at : nodes) levers_.at[at.outside] = {};
   }
   // Gives what the cells behind a mirror have to their images: the transpose of the copy.
-  void fold_cells() const {
-    for (const Image& one : images_)
-      for (int a = 0; a < 3; ++a) {
-        auto& behind = levers_.cells.at[a][one.image];
-        levers_.cells.at[a][one.cell] += mirrored(faces_, one.face, a, behind);
-        behind = {};
-      }
+  void fold_cells(Slopes<T>* cells) const {
+    for (const Image& one : images_) {
+      cells[one.cell] += seen_in(faces_, one, cells[one.image]);
+      cells[one.image] = {};
+    }
+  }
+  static Slopes<T> seen_in(const Faces& faces, const Image& one, const Slopes<T>& slopes) {
+    return mirrored(faces[one.face], one.face / 2, slopes);
   }
 
   Driver& driver_;

@@ -29,6 +29,7 @@ class Solver {
            {},
            {},
            {},
+           {},
            {}} {
     allocate();
   }
