@@ -160,7 +160,7 @@ class Step {
           regroup(
               [&](int slot, const Block& block) {
                 update(slot, block);
-                return move_block(slot, block, motion);
+                return move_block(slot, block, motion, T(dt()));
               },
               momentum);
         },
@@ -182,15 +182,27 @@ class Step {
   // the cache. Where velocities are carried to the nodes, points move as they were strained last. `before` is
   // lost: its array takes the momentum.
   void move(Velocity<T> after) {
-    move_with(at_nodes_.latest(after), [](const Block&) {});
+    move_with([&, by = at_nodes_.latest(after)](int slot, const Block& block) {
+      return move_block(slot, block, by, T(dt()));
+    });
   }
   // Does the same, after a last strain by a nodal velocity.
   void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
     carry(by);
-    move_with(at_nodes_.latest(after), [&](const Block& block) {
+    move_with([&](int slot, const Block& block) {
       StrainColumns<T> strains;
-      volume_.gather(block, by, T(dt), strains);
-      strain_points<V, Hints>(driver_.points(), model_.materials.data(), block, strains);
+      if (!at_nodes_.is_linear()) {
+        volume_.gather(block, by, T(dt), strains);
+        strain(block, strains);
+        return move_block(slot, block, after, T(this->dt()));
+      }
+      Columns<T, 3> motion;
+      volume_.gather(block, by, T(dt), strains, [&](std::size_t i, const auto& f, const auto& displacement) PM_INLINE {
+        const auto half = displacement.value(f);
+        for (int c = 0; c < 3; ++c) motion.store(c, i, half[c]);
+      });
+      strain(block, strains);
+      return move_block(slot, block, motion, T(2 * this->dt() / dt));
     });
   }
 
@@ -269,23 +281,22 @@ class Step {
     });
   }
 
-  template <class Before>
-  void move_with(Velocity<T> after, Before&& first) {
+  void strain(const Block& block, const StrainColumns<T>& strains) const {
+    strain_points<V, Hints>(driver_.points(), model_.materials.data(), block, strains);
+  }
+  template <class Move>
+  void move_with(Move&& move) {
     const auto momentum = m_.momentum();
     m_.timers.time("move", [&] {
       clear_nodes(driver_, momentum);
-      regroup(
-          [&](int slot, const Block& block) {
-            first(block);
-            return move_block(slot, block, after);
-          },
-          momentum);
+      regroup(move, momentum);
       state_.is_mapped = true;
     });
   }
   // Returns whether a point changed its cell.
-  bool move_block(int slot, const Block& block, Velocity<T> after) {
-    return move_points<Shape, V>(driver_.points(), grid_, block, after, T(dt()),
+  template <class... By>
+  bool move_block(int slot, const Block& block, const By&... by) {
+    return move_points<Shape, V>(driver_.points(), grid_, block, by...,
                                  [&](std::size_t p, int face) { exits_[slot].push_back({p, face}); });
   }
   template <class Move>

@@ -33,13 +33,19 @@ class Volume {
   void find(Velocity<T> velocity) {
     if (by_cells_) find(velocity, [](std::size_t, std::size_t) {});
   }
-  // Finds how a nodal velocity, of which find() knows, strains the points of a block.
+  // Finds how a nodal velocity, of which find() knows, strains the points of a block. See gather_strain.
+  template <class Also>
+  void gather(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains, Also&& also) const {
+    const auto with = [&](const auto& volume) {
+      gather_strain<Shape, V, Hints>(driver_.points(), grid_, block, velocity, dt, volume, strains, also);
+    };
+    if (by_cells_)
+      with(CellVolume<Shape, T>(grid_, cells_, dt));
+    else
+      with(OwnVolume{});
+  }
   void gather(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains) const {
-    const auto& points = driver_.points();
-    if (!by_cells_)
-      return gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, OwnVolume{}, strains);
-    gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt,
-                                   CellVolume<Shape, T>(grid_, cells_, dt), strains);
+    gather(block, velocity, dt, strains, [](std::size_t, const auto&, const auto&) PM_INLINE {});
   }
   // Takes the mean stress out of what a block pushes with, and pushes the cells with it.
   void take_mean_stress(const Block& block, Columns<T, 6>& push) const {
