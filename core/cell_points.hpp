@@ -258,8 +258,8 @@ class CellVolume {
       return sum;
     }
 
-    // The first of the cells, and how far the next one lies along x and y: in the grid, or, where not all count,
-    // in a copy.
+    // The first of the cells, and how far the next one lies along x and y: in the grid, or, where not all
+    // count, in a copy.
     const T* first_;
     std::size_t x_, y_;
     Quad<T> counted_[S][S];

@@ -16,11 +16,12 @@ inline constexpr T full_share = T(0.75);
 // Columns of bits, a bit for each node or cell; a cell is called by its first node. Each ring has the cells
 // around its nodes, and the nodes of the cells of the ring before.
 struct LeverMarks {
-  static constexpr int rings = 4, columns = 2 * rings + 2;
+  static constexpr int rings = 4, columns = 2 * rings + 3;
   Bits* nodes[rings];  // 0: beside a surface, 1: to which velocities are carried
   Bits* cells[rings];  // of ring 2 in the end those with mass
   Bits* has_mass;      // of a node
   Bits* is_whole;      // of a cell: its nodes have mass
+  Bits* is_set;        // of a cell: it has something, of this step or one before
 
   // `memory` is all zero at first.
   template <class T>
@@ -34,8 +35,10 @@ struct LeverMarks {
     }
     marks.has_mass = column();
     marks.is_whole = column();
+    marks.is_set = column();
     return marks;
   }
+  // Forgets what was marked; cells stay set.
   void clear(std::size_t word) const {
     for (int r = 0; r < rings; ++r) nodes[r][word] = cells[r][word] = 0;
     has_mass[word] = is_whole[word] = 0;
@@ -49,8 +52,7 @@ void find_filling(const GridGeometry<T>& grid, Velocity<T> velocity, T* filling,
   grid.split(row.first, at);
   const auto on_face = [&](int axis, int i) { return i == grid.pad || i == grid.pad + grid.cells[axis]; };
   const T across = T(on_face(0, at[0]) ? 2 : 1) * T(on_face(1, at[1]) ? 2 : 1);
-  for (int k = row.begin; k < row.end; ++k)
-    filling[row.first + k] = across * velocity[row.first + k].v[3];
+  for (int k = row.begin; k < row.end; ++k) filling[row.first + k] = across * velocity[row.first + k].v[3];
   for (const int k : {grid.pad, grid.pad + grid.cells[2]})
     if (k >= row.begin && k < row.end) filling[row.first + k] *= T(2);
 }
@@ -65,9 +67,8 @@ void mark_mass(Velocity<T> velocity, Bits* has_mass, const Row& row) {
 // Finds the cells of a row that have mass at every node.
 template <class T>
 void mark_whole(const RowBits<T>& rows, const Bits* has_mass, Bits* is_whole, const Row& row) {
-  rows.for_each_word(row, [&](std::size_t w) {
-    is_whole[w] = rows.of_nodes(has_mass, row, w, std::bit_and());
-  });
+  rows.for_each_word(row,
+                     [&](std::size_t w) { is_whole[w] = rows.of_nodes(has_mass, row, w, std::bit_and()); });
 }
 
 // Marks the nodes of a row that lie beside a surface: those lighter than one of the six beside them.
@@ -80,7 +81,8 @@ void mark_surface(const GridGeometry<T>& grid, const T* filling, const LeverMark
   for (int k = row.begin / width * width; k < row.end; k += width) {
     const T* const own = filling + row.first + k;
     const auto m = [](const T* at) PM_INLINE { return Pack<V>::load(at); };
-    const V most = max(max(max(m(own - x), m(own + x)), max(m(own - y), m(own + y))), max(m(own - 1), m(own + 1)));
+    const V most =
+        max(max(max(m(own - x), m(own + x)), max(m(own - y), m(own + y))), max(m(own - 1), m(own + 1)));
     beside[k / 64] |= Bits(bits_of(m(own) < V(full_share<T>) * most)) << (k % 64);
   }
   const Bits* const has_mass = marks.has_mass + row.word;
@@ -91,8 +93,7 @@ void mark_surface(const GridGeometry<T>& grid, const T* filling, const LeverMark
 template <class T>
 void mark_cells(const RowBits<T>& rows, const LeverMarks& marks, int ring, const Row& row) {
   rows.for_each_word(row, [&](std::size_t w) {
-    marks.cells[ring][w] =
-        marks.is_whole[w] & rows.of_nodes(marks.nodes[ring], row, w, std::bit_or());
+    marks.cells[ring][w] = marks.is_whole[w] & rows.of_nodes(marks.nodes[ring], row, w, std::bit_or());
   });
 }
 template <class T>

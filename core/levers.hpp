@@ -12,28 +12,12 @@
 
 #include "interpolant.hpp"
 #include "lever_marks.hpp"
+#include "slopes.hpp"
 
 namespace pockmark {
 
-// The slopes of a vector along x, y and z, at a node or of a cell: a quad each, so that no number changes its
-// lane.
-template <class T>
-struct Slopes {
-  Quad<T> along[3];
-
-  PM_HD Slopes& operator+=(const Slopes& b) {
-    for (int a = 0; a < 3; ++a) along[a] += b.along[a];
-    return *this;
-  }
-  PM_HD friend Slopes operator+(Slopes a, const Slopes& b) { return a += b; }
-  PM_HD friend Slopes operator*(const Quad<T>& f, Slopes a) {
-    for (auto& one : a.along) one.v = f.v * one.v;
-    return a;
-  }
-};
-
 // What it takes. The fourth number of a lever is the mass of the node at first. Levers are set and read in
-// ring 3, what cells have in ring 2: the cells beside these have nothing.
+// ring 3, what cells have in ring 2: no other cell has anything.
 template <class T>
 struct Levers {
   NodeField<T, Nodal::lever> at;  // from the mass centre to the node, in cells; then what gradients multiply
@@ -73,28 +57,6 @@ T add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bundle
   patch.add_to(grid, bundle, moments);
   return sum;
 }
-
-// A matrix.
-template <class T>
-struct Three {
-  T at[3][3];
-
-  PM_HD T cofactor(int r, int a) const {
-    const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, a1 = (a + 1) % 3, a2 = (a + 2) % 3;
-    return at[r1][a1] * at[r2][a2] - at[r1][a2] * at[r2][a1];
-  }
-  PM_HD T determinant() const {
-    return at[0][0] * cofactor(0, 0) + at[0][1] * cofactor(0, 1) + at[0][2] * cofactor(0, 2);
-  }
-  // Returns the solution x of A x = b.
-  PM_HD Vec3<T> solve(const Vec3<T>& b) const {
-    Vec3<T> x{};
-    const T per_determinant = T(1) / determinant();
-    for (int r = 0; r < 3; ++r)
-      for (int a = 0; a < 3; ++a) x[a] += per_determinant * cofactor(r, a) * b[r];
-    return x;
-  }
-};
 
 // What is done to the nodes and cells of a row. Where eight are added up, the four at either end along z are
 // one sum for two that follow one another.
@@ -217,22 +179,21 @@ class LeverRow {
   void for_each_beyond(Bits* const (&of)[LeverMarks::rings], int ring, F&& f) const {
     rows_.for_each_set(row_, [&](std::size_t w) { return of[ring + 1][w] & ~of[ring][w]; }, f);
   }
-  // Takes the cells without mass out of the rings. Cells around nodes that are in none have nothing.
+  // Takes the cells without mass out of the rings. Cells that were in them have nothing any more.
   void take_out_the_empty() const {
     rows_.keep(marks_.cells[2], row_, [&](std::size_t cell) { return levers_.mass[cell] > T(0); });
     rows_.for_each_word(row_, [&](std::size_t w) { marks_.cells[1][w] &= marks_.cells[2][w]; });
-    const auto beside = [&](std::size_t w) {
-      return rows_.of_nodes(marks_.nodes[3], row_, w, std::bit_or()) & ~marks_.cells[2][w];
-    };
-    rows_.for_each_set(row_, beside, [&](std::size_t cell) { levers_.own[cell] = levers_.wide[cell] = {}; });
+    const auto left = [&](std::size_t w) { return marks_.is_set[w] & ~marks_.cells[2][w]; };
+    rows_.for_each_set(row_, left, [&](std::size_t cell) { levers_.own[cell] = levers_.wide[cell] = {}; });
+    rows_.for_each_word(row_, [&](std::size_t w) { marks_.is_set[w] = marks_.cells[2][w]; });
   }
   // Returns what slopes, four times too large, are multiplied with. The fourth number is no part of them.
   static Quad<T> shares_of(T mass) {
     const T share = T(0.25) * mass;
     return Quad<T>{{share, share, share, T(0)}};
   }
-  // Calls f(cell, slopes) for the cells of ring 2, with four times the mean slopes, per cell, of a vector that
-  // the nodes have.
+  // Calls f(cell, slopes) for the cells of ring 2, with four times the mean slopes, per cell, of a vector
+  // that the nodes have.
   template <class F>
   void find_slopes(const Quad<T>* nodes, F&& f) const {
     const auto level = [&](std::size_t node) PM_INLINE {
@@ -258,9 +219,8 @@ class LeverRow {
       const auto* const own = levers_.own + cell;
       return twice(*own) + (*(own - y_) + own[y_]);
     };
-    const auto across = [&](std::size_t cell) PM_INLINE {
-      return twice(line(cell)) + (line(cell - x_) + line(cell + x_));
-    };
+    const auto across = [&](std::size_t cell)
+                            PM_INLINE { return twice(line(cell)) + (line(cell - x_) + line(cell + x_)); };
     rows_.for_each_run(marks_.cells[ring], row_, [&](std::size_t begin, std::size_t end) {
       Slopes<T> lower = across(begin - 1), own = across(begin);
       for (std::size_t cell = begin; cell < end; ++cell) {
@@ -302,18 +262,5 @@ class LeverRow {
   const Row& row_;
   std::size_t x_, y_;  // to the next node along an axis
 };
-
-// Returns what a mirror does to slopes; fourth numbers stay. `face` is the mirror, across `face_axis`.
-template <class T>
-Slopes<T> mirrored(Face face, int face_axis, const Slopes<T>& slopes) {
-  Slopes<T> out;
-  for (int a = 0; a < 3; ++a) {
-    const auto sign = [&](int component) {
-      return T(mirror_sign(face, face_axis, component) * (a == face_axis ? -1 : 1));
-    };
-    out.along[a].v = Four<T>{sign(0), sign(1), sign(2), T(1)} * slopes.along[a].v;
-  }
-  return out;
-}
 
 }  // namespace pockmark

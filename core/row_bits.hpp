@@ -42,8 +42,8 @@ class RowBits {
     grid_.split(begin, at);
     const auto [i, j, k] = at;
     const bool begins_cells = i + 1 < grid_.nodes(0) && j + 1 < grid_.nodes(1);
-    return {begin - std::size_t(k),   word(begin, i, j), k, k + int(end - begin), begins_cells,
-            begins_cells && i > 0 && j > 0};
+    return {begin - std::size_t(k), word(begin, i, j), k,
+            k + int(end - begin),   begins_cells,      begins_cells && i > 0 && j > 0};
   }
   // Returns whether the cell of a bundle has its bit.
   bool has(const Bits* column, const Bundle& bundle) const {
@@ -160,7 +160,9 @@ class RowBits {
     const std::size_t field = grid_.field_of(node) == 0 ? 0 : std::size_t(grid_.nodes(0)) * x_;
     return field + std::size_t(i) * x_ + std::size_t(j) * y_;
   }
-  static Bits get(const Bits* column, Start row, std::size_t k) { return column[row.word + k / 64] >> k % 64 & 1; }
+  static Bits get(const Bits* column, Start row, std::size_t k) {
+    return column[row.word + k / 64] >> k % 64 & 1;
+  }
   // Returns the k of the nodes on and beside a face across z.
   FaceNode along_z(int face) const { return face_node(grid_, face, 0, 0, 0); }
   template <class F>

@@ -14,6 +14,7 @@ template <class Driver>
 class NodeVelocity {
   using T = typename Driver::Number;
   using V = typename Driver::Values;
+  using Hints = typename Driver::Hints;
 
  public:
   explicit NodeVelocity(Machine<Driver>& m)
@@ -51,9 +52,9 @@ class NodeVelocity {
     mark(mean);
     find_mirrored();
     driver_.scatter([&](int, const Block& block) {
-      for_each_bundle(block, [&](const Bundle& bundle) {
-        if (rows_.has(levers_.marks.cells[3], bundle))
-          levers_.mass[bundle.node] += driver_.add_moments(bundle, mass, levers_.at);
+      for_each_marked(block, [&](const Bundle& bundle) { Hints::moments(driver_.points(), bundle); });
+      for_each_marked(block, [&](const Bundle& bundle) {
+        levers_.mass[bundle.node] += driver_.add_moments(bundle, mass, levers_.at);
       });
     });
     driver_.exchange(levers_.at);
@@ -108,6 +109,13 @@ class NodeVelocity {
     int face;
   };
 
+  // Calls f for the bundles of a block whose cells are marked.
+  template <class F>
+  void for_each_marked(const Block& block, F&& f) const {
+    for_each_bundle(block, [&](const Bundle& bundle) {
+      if (rows_.has(levers_.marks.cells[3], bundle)) f(bundle);
+    });
+  }
   template <class F>
   void for_each_row(F&& f) const {
     driver_.for_each_slot([&](int slot) {
@@ -146,11 +154,11 @@ class NodeVelocity {
       on_faces_[face].clear();
       if (!is_mirror(faces_[face])) continue;
       rows_.for_each_face_node(
-          face, levers_.marks.nodes[3], [](Bits on, Bits inside, Bits outside) { return on | inside | outside; },
+          face, levers_.marks.nodes[3],
+          [](Bits on, Bits inside, Bits outside) { return on | inside | outside; },
           [&](const FaceNode& at) { on_faces_[face].push_back(at); });
       rows_.for_each_face_node(
-          face, levers_.marks.cells[2],
-          [&](Bits on, Bits, Bits outside) { return face % 2 ? on : outside; },
+          face, levers_.marks.cells[2], [&](Bits on, Bits, Bits outside) { return face % 2 ? on : outside; },
           [&](const FaceNode& at) {
             const auto [image, cell] = mirrored_cell(face, at);
             images_.push_back({image, cell, face});

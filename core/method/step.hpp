@@ -3,10 +3,10 @@
 #pragma once
 #include <numeric>
 
-#include "../motion.hpp"
 #include "../stress.hpp"
 #include "lines.hpp"
 #include "machine.hpp"
+#include "mover.hpp"
 #include "node_velocity.hpp"
 #include "step_size.hpp"
 #include "volume.hpp"
@@ -20,10 +20,10 @@ class Step {
   using Hints = typename Driver::Hints;
 
  public:
-  explicit Step(Machine<Driver>& m) : m_(m), volume_(m), at_nodes_(m) {}
+  explicit Step(Machine<Driver>& m) : m_(m), volume_(m), at_nodes_(m), mover_(m) {}
 
   double dt() const { return state_.dt; }
-  const std::vector<std::vector<Exit>>& exits() const { return exits_; }
+  const auto& exits() const { return mover_.exits(); }
 
   // Sets the nodes that points touch to zero.
   void clear() {
@@ -48,7 +48,7 @@ class Step {
     m_.timers.time("p2g", [&] {
       if (m_.transmitting.renews(grid_, state_.cycle))
         m_.transmitting.template renew<Shape>(model_, driver_, m_.damping());
-      if (!state_.is_mapped) driver_.scatter([&](int, const Block& block) { add(block, momentum); });
+      if (!state_.is_mapped) driver_.scatter([&](int, const Block& block) { mover_.add(block, momentum); });
       before = to_velocity(momentum);
       at_nodes_.find(before);
     });
@@ -138,7 +138,7 @@ class Step {
         [&](auto&& update) {
           driver_.scatter([&](int slot, const Block& block) {
             update(slot, block);
-            add(block, momentum);
+            mover_.add(block, momentum);
           });
         },
         before, after,
@@ -157,10 +157,10 @@ class Step {
     const auto motion = at_nodes_.carried(after);
     velocities(
         [&](auto&& update) {
-          regroup(
+          mover_.regroup(
               [&](int slot, const Block& block) {
                 update(slot, block);
-                return move_block(slot, block, motion, T(dt()));
+                return mover_.of_block(slot, block, motion, T(dt()));
               },
               momentum);
         },
@@ -182,9 +182,8 @@ class Step {
   // the cache. Where velocities are carried to the nodes, points move as they were strained last. `before` is
   // lost: its array takes the momentum.
   void move(Velocity<T> after) {
-    move_with([&, by = at_nodes_.latest(after)](int slot, const Block& block) {
-      return move_block(slot, block, by, T(dt()));
-    });
+    const auto by = at_nodes_.latest(after);
+    move_with([&](int slot, const Block& block) { return mover_.of_block(slot, block, by, T(dt())); });
   }
   // Does the same, after a last strain by a nodal velocity.
   void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
@@ -194,22 +193,16 @@ class Step {
       if (!at_nodes_.is_linear()) {
         volume_.gather(block, by, T(dt), strains);
         strain(block, strains);
-        return move_block(slot, block, after, T(this->dt()));
+        return mover_.of_block(slot, block, after, T(this->dt()));
       }
-      Columns<T, 3> motion;
-      volume_.gather(block, by, T(dt), strains, [&](std::size_t i, const auto& f, const auto& displacement) PM_INLINE {
-        const auto half = displacement.value(f);
-        for (int c = 0; c < 3; ++c) motion.store(c, i, half[c]);
-      });
+      Columns<T, 3> motion;  // in half of dt
+      volume_.gather(block, by, T(dt), strains, motion);
       strain(block, strains);
-      return move_block(slot, block, motion, T(2 * this->dt() / dt));
+      return mover_.of_block(slot, block, motion, T(2 * this->dt() / dt));
     });
   }
 
  private:
-  void add(const Block& block, Momentum<T> momentum) {
-    driver_.template add_carried<Shape>(block, momentum_of(driver_.points()), momentum);
-  }
   // Completes a sum of the points: other memories, mirrors.
   template <Nodal quantity>
   void finish(NodeField<T, quantity> sum) {
@@ -270,7 +263,7 @@ class Step {
   void velocities(Walk&& walk, Velocity<T> before, Velocity<T> after, Finish&& finish = [] {}) {
     m_.timers.time("g2p", [&] {
       std::vector<double> taken(driver_.slots());
-      exits_.assign(driver_.slots(), {});
+      mover_.begin_step();
       walk([&](int slot, const Block& block) {
         const double lost = pockmark::update_velocities<Shape, V, Hints>(
             driver_.points(), grid_, block, before, after, T(model_.options.pic_fraction));
@@ -289,19 +282,9 @@ class Step {
     const auto momentum = m_.momentum();
     m_.timers.time("move", [&] {
       clear_nodes(driver_, momentum);
-      regroup(move, momentum);
+      mover_.regroup(move, momentum);
       state_.is_mapped = true;
     });
-  }
-  // Returns whether a point changed its cell.
-  template <class... By>
-  bool move_block(int slot, const Block& block, const By&... by) {
-    return move_points<Shape, V>(driver_.points(), grid_, block, by...,
-                                 [&](std::size_t p, int face) { exits_[slot].push_back({p, face}); });
-  }
-  template <class Move>
-  void regroup(Move&& move, Momentum<T> momentum) {
-    driver_.regroup(Shape::support, move, [&](int, const Block& block) { add(block, momentum); });
   }
 
   Machine<Driver>& m_;
@@ -311,7 +294,7 @@ class Step {
   const GridGeometry<T>& grid_ = m_.model.grid;
   Volume<Driver, Shape> volume_;
   NodeVelocity<Driver> at_nodes_;
-  std::vector<std::vector<Exit>> exits_;  // of each slot in the last move
+  Mover<Driver, Shape> mover_;
 };
 
 }  // namespace pockmark
