@@ -75,6 +75,10 @@ struct Machine {
     if (!model.is_linear()) return {};
     return driver.template nodes<Nodal::velocity>(first_lever() + 2);
   }
+  // Returns the bytes of what is no array of the driver.
+  std::size_t bytes() const {
+    return bits.size() * sizeof(Bits) + (slopes[0].size() + slopes[1].size()) * sizeof(Slopes<T>);
+  }
   Force<T> force() { return driver.template nodes<Nodal::force>(1); }
   Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }
   int array_count() const { return first_lever() + (model.is_linear() ? 3 : 0); }

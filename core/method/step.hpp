@@ -41,7 +41,7 @@ class Step {
   }
 
   // (1), (2): maps momentum and mass of the points, unless the last step has done so, and returns the
-  // velocity.
+  // velocity: that carried to the nodes, until the forces are there.
   Velocity<T> map_points() {
     const auto momentum = m_.momentum();
     Velocity<T> before{};
