@@ -97,14 +97,15 @@ class CellsAround {
   // Returns where the divergence of the first of them is.
   PM_HD const T* divergence() const { return cells_.divergence + own_ - steps_.back; }
   // Finds the divergence of the cells, where not all count.
-  PM_HD void find_divergence(Quad<T> (&out)[S][S]) const {
+  PM_HD void find_divergence(T (&out)[S][S][4]) const {
     const T one = cells_.divergence[own_];
     const Four<T> own{one, one, one, one};
     for_each_row([&](int i, int j, std::size_t row) PM_INLINE {
-      Four<T> counts;
+      Four<T> counts, found;
       find_counting(row, counts);
-      load_four(cells_.divergence + row, out[i][j].v);
-      out[i][j].v = counts * out[i][j].v + (own - counts * own);
+      load_four(cells_.divergence + row, found);
+      found = counts * found + (own - counts * own);
+      std::memcpy(out[i][j], &found, sizeof(found));
     });
   }
   // Pushes the cells that count.
@@ -198,11 +199,26 @@ void move_mean_to_cells(const Points<T>& points, const GridGeometry<T>& grid, co
 }
 
 // Where gather_strain takes the trace of a strain from: the points' own gradient, or the divergence that
-// cells give. around(bundle).replace_trace(strain, place) puts it there.
+// cells give. around(bundle).trace_at(place).put_into(strain) puts it there.
 struct OwnVolume {
   PM_HD OwnVolume around(const Bundle&) const { return {}; }
   template <class V>
-  PM_HD void replace_trace(Sym3<V>&, const Vec3<V>&) const {}
+  PM_HD OwnVolume trace_at(const Vec3<V>&) const {
+    return {};
+  }
+  template <class V>
+  PM_HD void put_into(Sym3<V>&) const {}
+};
+// A trace that is known.
+template <class V>
+struct Trace {
+  V of;
+  PM_HD void put_into(Sym3<V>& strain) const {
+    const V more = V(number_t<V>(1.0 / 3.0)) * (of - trace(strain));
+    strain.xx += more;
+    strain.yy += more;
+    strain.zz += more;
+  }
 };
 template <class Shape, class T>
 class CellVolume {
@@ -224,17 +240,14 @@ class CellVolume {
         y_ = of.steps_.y;
       } else {
         around.find_divergence(counted_);
-        first_ = reinterpret_cast<const T*>(counted_);
+        first_ = counted_[0][0];
         x_ = S * 4;
         y_ = 4;
       }
     }
     template <class V>
-    PM_HD void replace_trace(Sym3<V>& strain, const Vec3<V>& f) const {
-      const V more = V(T(1.0 / 3.0)) * (V(dt_) * divergence(f) - trace(strain));
-      strain.xx += more;
-      strain.yy += more;
-      strain.zz += more;
+    PM_HD Trace<V> trace_at(const Vec3<V>& f) const {
+      return {V(dt_) * divergence(f)};
     }
 
    private:
@@ -262,7 +275,7 @@ class CellVolume {
     // count, in a copy.
     const T* first_;
     std::size_t x_, y_;
-    Quad<T> counted_[S][S];
+    T counted_[S][S][4];
     T dt_, inner_;
     bool is_axisymmetric_;
   };
