@@ -14,10 +14,14 @@ struct Slopes {
     for (int a = 0; a < 3; ++a) along[a] += b.along[a];
     return *this;
   }
-  PM_HD friend Slopes operator+(Slopes a, const Slopes& b) { return a += b; }
-  PM_HD friend Slopes operator*(const Quad<T>& f, Slopes a) {
-    for (auto& one : a.along) one.v = f.v * one.v;
-    return a;
+  PM_HD friend Slopes operator+(const Slopes& a, const Slopes& b) {
+    Slopes sum = a;
+    return sum += b;
+  }
+  PM_HD friend Slopes operator*(const Quad<T>& f, const Slopes& a) {
+    Slopes product;
+    for (int i = 0; i < 3; ++i) product.along[i].v = f.v * a.along[i].v;
+    return product;
   }
 };
 
