@@ -70,7 +70,8 @@ class Filter {
     const auto mean = to_grid(first, Mirrored::vector);
     at_nodes_.find(
         mean, [&](std::size_t p) { return connected_.has(p) ? driver_.points().at(Field::mass)[p] : T(0); });
-    add(T(1), at_nodes_.of(mean), sum);
+    at_nodes_.carry(mean);
+    add(T(1), mean, sum);
     map_rest(sum, first);
     add_series(first, second, sum);
     map_rest(sum, first);
@@ -105,9 +106,11 @@ class Filter {
       Columns<T, 3> v;
       gather(block, {seen.data}, v);
       const auto& points = driver_.points();
-      for (int a = 0; a < 3; ++a)
-        for (std::size_t p = block.begin; p < block.end; ++p)
-          v.store(a, p - block.begin, points.at(Field::velocity, a)[p] - v.at[a][p - block.begin]);
+      for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+        const std::size_t i = p - block.begin;
+        const auto rest = points.template vector<V>(Field::velocity, p, n) - v.template vector<V>(i);
+        for (int a = 0; a < 3; ++a) v.store(a, i, rest[a]);
+      });
       map(block, {v.at[0], v.at[1], v.at[2]}, rest);
     });
   }
