@@ -24,7 +24,7 @@ class Filter(Model):
 
     interval: Annotated[int, Field(ge=0, le=10_000)] = 10
     order: Annotated[int, Field(ge=0, le=16)] = 2
-    pressure: Annotated[Number, Field(ge=0, le=1)] = 1.0
+    pressure: Annotated[Number, Field(ge=0, le=1)] = 0.5
 
     @model_validator(mode="after")
     def _acts(self) -> "Filter":
