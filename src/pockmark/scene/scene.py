@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeGuard
 
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
@@ -232,9 +232,8 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     hashed = {key: value for key, value in table.items() if titled or key != "title"}
     if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
         hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
-    match hashed.get("numerics"):
-        case {"filter": {"interval": 0}} as numerics:  # there is none, whatever its other keys say
-            hashed["numerics"] = {key: value for key, value in numerics.items() if key != "filter"}
+    if _has_no_filter(numerics := hashed.get("numerics")):
+        hashed["numerics"] = {key: value for key, value in numerics.items() if key != "filter"}
     before = {
         "numerics": (
             ("volumetric_strain", "points"),
@@ -247,6 +246,12 @@ def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
     for name in hashed.get("materials", ()):
         hashed = _without(hashed, ("materials", name, "failure"), (("displacement", 0.0),))
     return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
+
+
+def _has_no_filter(numerics: Any) -> TypeGuard[Mapping[str, Any]]:
+    """Return whether a table of numerics asks for no filter: then nothing depends on its other keys."""
+    table = numerics.get("filter") if isinstance(numerics, Mapping) else None
+    return isinstance(table, Mapping) and table.get("interval") == 0
 
 
 def _without(
