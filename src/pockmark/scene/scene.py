@@ -14,13 +14,13 @@ from ..base.errors import PockmarkError, found, together
 from ..base.files import AnyPath, as_path
 from ..base.geometry import Mirror
 from ..base.toml import read_toml, to_toml
-from ..base.units import quantity
+from ..base.units import Quantity
 from .axisymmetry import obstacles, slice_of
 from .bodies import Array, Body, Solid
 from .grid import Boundary, Grid
 from .impact import Impact
 from .materials import Material, complete
-from .model import Model
+from .model import Hint, Model
 from .numerics import Contact, Numerics, Output
 from .overrides import override
 from .rules import broken_rules
@@ -34,7 +34,11 @@ class Scene(Model):
     """
 
     title: str = ""
-    end_time: Annotated[float, quantity("s", 1e-18, 1e4)]
+    """Name of the run, for a reader."""
+    end_time: Annotated[
+        float, Quantity("s", 1e-18, 1e4), Hint("when the crater has settled: `pockmark check` says when")
+    ]
+    """Simulated time at which the run ends."""
     grid: Grid
     boundary: Boundary = Boundary()
     impact: Impact

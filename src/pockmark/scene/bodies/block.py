@@ -15,8 +15,11 @@ class Block(Solid):
     """A brick of material between two corners."""
 
     shape: Literal["block"]
+    """Kind of the body."""
     lower: Vector
+    """Lower corner (x, y, z)."""
     upper: Vector
+    """Upper corner (x, y, z)."""
 
     @model_validator(mode="after")
     def _has_size(self) -> Self:
