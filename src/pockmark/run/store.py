@@ -14,7 +14,8 @@ from ..base.errors import PockmarkError
 from ..base.files import AnyPath, as_path, numbered, read_text, remove, told, write_text
 from ..base.json import to_json
 from ..base.toml import parse_toml
-from ..scene.scene import Scene, hash_of
+from ..scene.identity import hash_of
+from ..scene.scene import Scene
 from .history import Rows, append_row, read_rows
 from .lock import LOCK, Lock, holder
 from .manifest import Measured, parse_manifest, row_as_record, validated

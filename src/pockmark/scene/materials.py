@@ -10,13 +10,15 @@ from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationInfo, create_model, field_validator
+from pydantic import Field, ValidationError, ValidationInfo, create_model, field_validator
 from scipy.optimize import brentq
 
 from .. import _core
 from ..base.errors import PockmarkError, found, shown
 from ..base.units import Quantity
 from .model import Hint, Model
+from .overrides import changed, merge
+from .sentences import sentence
 
 # Every constant has a range: wide enough for aerogel, gels, foams, ice and osmium, and far too narrow for a slip of the
 # exponent or a forgotten unit. Those of the laws are declared in their own files, core/eos, core/strength and core/failure.
@@ -147,6 +149,13 @@ class Material(Model):
             return failure
         raise ValueError(f"model '{failure.model}' {why}; write failure.model = \"none\"")
 
+    def with_(self, key: str, value: Any) -> "Material":
+        """Return the material with another value of a key, such as "strength.A". Raises PockmarkError."""
+        try:
+            return Material.model_validate(changed(self.model_dump(exclude_none=True), key, value))
+        except ValidationError as error:
+            raise PockmarkError(f"material: {sentence(error, Material)}") from None
+
     def to_core(self) -> _core.Material:
         """Return the core's material."""
         t, v = self.thermal, self.viscosity
@@ -228,20 +237,6 @@ def material(name: str) -> Material:
     if name not in library():
         raise PockmarkError(f"{shown(name, 60)}: is no material of the library, nearest are {_nearest(name)}")
     return Material.model_validate(library()[name])
-
-
-def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `base` with `changes` put over it, table by table.
-
-    A table that names another `model` replaces the old one as a whole.
-    """
-    if changes.get("model", base.get("model")) != base.get("model"):
-        return dict(changes)
-    out = dict(base)
-    for key, value in changes.items():
-        old = out.get(key)
-        out[key] = merge(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
-    return out
 
 
 def complete(name: str, written: Any, user: str = "") -> Any:

@@ -14,7 +14,7 @@ from .shape import EVERYWHERE, NOISE, Array, Box, Fit, Solid, Vector, require_si
 class Block(Solid):
     """A brick of material between two corners."""
 
-    shape: Literal["block"]
+    shape: Literal["block"] = "block"
     """Kind of the body."""
     lower: Vector
     """Lower corner (x, y, z)."""

@@ -24,7 +24,7 @@ class Cylinder(Solid):
     points share its volume, as a ball's do.
     """
 
-    shape: Literal["cylinder"]
+    shape: Literal["cylinder"] = "cylinder"
     """Kind of the body."""
     axis: Literal["x", "y", "z"] = "z"
     """Axis of the grid along which it lies."""

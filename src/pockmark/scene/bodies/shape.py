@@ -68,6 +68,10 @@ class Solid(Model):
     velocity: tuple[Velocity, Velocity, Velocity] | None = None
     """Velocity (x, y, z) at the start of a body that is no projectile."""
 
+    def model_post_init(self, context: Any) -> None:
+        """Count the shape as written, though a body that is made in Python has it by default."""
+        self.model_fields_set.add("shape")
+
     @field_validator("velocity")
     @classmethod
     def _moves_in_one_way(cls, velocity: Any, known: ValidationInfo) -> Any:

@@ -16,7 +16,7 @@ class Sphere(Balls):
     `center` has three coordinates, or x and y with a `gap` between the ball and z = 0.
     """
 
-    shape: Literal["sphere"]
+    shape: Literal["sphere"] = "sphere"
     """Kind of the body."""
     center: Annotated[tuple[Length, ...], Hint(allowed="[x, y, z], or [x, y] with a gap")]
     """Centre."""

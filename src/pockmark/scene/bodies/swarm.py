@@ -23,7 +23,7 @@ class Swarm(Balls):
     number of balls.
     """
 
-    shape: Literal["swarm"]
+    shape: Literal["swarm"] = "swarm"
     """Kind of the body."""
     lower: tuple[Length, Length]
     """Lower corner (x, y) of the patch."""
@@ -88,7 +88,10 @@ class Swarm(Balls):
         given = getattr(self, key)
         if given is not None and not math.isclose(given, value, rel_tol=1e-9):
             raise ValueError(f"flux makes the {key} {value:.6g}, found {given:.6g}: give one of the two")
-        return self.model_copy(update={key: value})
+        swarm = self.model_copy(update={key: value})
+        if given is None:
+            swarm.model_fields_set.discard(key)  # it was not written: Scene.with_() lets it follow anew
+        return swarm
 
     @cached_property
     def centers(self) -> tuple[Vector, ...]:
