@@ -1,19 +1,19 @@
 """The Python of README.md and docs/ is typed as a user's may be: `mypy --strict` passes on it, and sees a mistake."""
 
-import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from test_examples import DOCUMENTS, blocks
 
 import pockmark
 
-ROOT = Path(__file__).parents[2]
 SCRIPTS = [
     (document.name, number, text)
-    for document in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-    for number, text in enumerate(re.findall(r"^```python\n(.*?)^```$", document.read_text(), re.M | re.S))
+    for document in DOCUMENTS
+    for number, (reason, language, text) in enumerate(blocks(document))
+    if language == "python" and not reason
 ]
 MISTAKES = [
     'from pockmark import Scene\nScene.load("a.toml").with_("impact.speed")\n',

@@ -82,5 +82,7 @@ def _folders(name: str, output: Path, *, quick: bool) -> tuple[Path, Path]:
     ours = shipped("studies")
     if (ours / name / FILE).exists():
         return ours / name, output / name
+    if path.is_dir():  # load() says what is wrong with what it holds
+        return path, path
     known = ", ".join(sorted(file.parent.name for file in ours.glob(f"*/{FILE}")))
     raise PockmarkError(f"{shown(name, 60)}: is no folder with a {FILE}, nor one of pockmark's: {known}")
