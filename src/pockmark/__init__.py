@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from .base.errors import PockmarkError
     from .base.shipped import example
     from .base.units import to_si
+    from .run.frames import history_frame
     from .run.measured import measure
     from .run.pictures import plot_run as plot
     from .run.pipeline import resume_run, run_scene
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from .scene.materials import Material, material
     from .scene.numerics import Contact, Filter, Numerics, Output
     from .scene.scene import Scene
+    from .study.frames import study_frame
 
 __version__ = version("pockmark")
 # The number of entries under "Physics" in CHANGELOG.md. A run of another number may have other figures.
@@ -49,11 +51,13 @@ __all__ = [
     "bodies",
     "example",
     "forecast",
+    "history_frame",
     "material",
     "measure",
     "plot",
     "resume_run",
     "run_scene",
+    "study_frame",
     "to_si",
 ]
 
@@ -76,11 +80,13 @@ _HOMES = {
     "bodies": (".scene.bodies", ""),
     "example": (".base.shipped", "example"),
     "forecast": (".scene.forecast", "forecast"),
+    "history_frame": (".run.frames", "history_frame"),
     "material": (".scene.materials", "material"),
     "measure": (".run.measured", "measure"),
     "plot": (".run.pictures", "plot_run"),
     "resume_run": (".run.pipeline", "resume_run"),
     "run_scene": (".run.pipeline", "run_scene"),
+    "study_frame": (".study.frames", "study_frame"),
     "to_si": (".base.units", "to_si"),
 }
 
