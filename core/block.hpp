@@ -44,6 +44,8 @@ enum class Pass { gradient, strain, pressure, velocity, last_strain };
 struct NoHints {
   template <Pass pass, class T>
   PM_HD static void before(const Points<T>&, std::size_t) {}
+  template <class T>
+  PM_HD static void moments(const Points<T>&, const Bundle&) {}
 };
 
 // Columns of numbers, a place in each for every point of a block. A pack may write past the last of its

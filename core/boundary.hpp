@@ -1,6 +1,8 @@
 // The six faces of the grid: fixed velocity components and mirror images.
 #pragma once
+#include <algorithm>
 #include <array>
+#include <vector>
 
 #include "grid.hpp"
 #include "shape.hpp"
@@ -46,31 +48,39 @@ inline int mirror_sign(Face face, int face_axis, int component) {
   return face == Face::fixed || component == face_axis ? -1 : 1;
 }
 
-// What a mirror does to the components of a sum: it turns those of a vector, magnitudes stay.
-// Calls f(image, cell) for the cells along each mirror, called by their first nodes: the image lies behind
-// it.
+// A cell behind a mirror and the one whose image it is, called by their first nodes.
+struct MirroredCell {
+  std::size_t image, cell;
+};
+PM_HD MirroredCell mirrored_cell(int face, const FaceNode& at) {
+  return face % 2 ? MirroredCell{at.on, at.inside} : MirroredCell{at.outside, at.on};
+}
+
+// Calls f(image, cell) for the cells along each mirror.
 template <class Driver, class T, class F>
 void for_each_mirrored_cell(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces, F&& f) {
   for (int face = 0; face < 6; ++face) {
     if (!is_mirror(faces[face])) continue;
     for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
-      if (face % 2)
-        f(at.on, at.inside);
-      else
-        f(at.outside, at.on);
+      const auto [image, cell] = mirrored_cell(face, at);
+      f(image, cell);
     });
   }
 }
 
+// What a mirror does to the components of a sum: it turns those of a vector, magnitudes stay.
 enum class Mirrored { vector, magnitudes };
 
-// Adds what the nodes behind a mirror have to their images. Nothing stays behind it.
-template <class Driver, class T, Nodal quantity>
-void fold(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces, NodeField<T, quantity> nodes,
-          Mirrored kind) {
+// Some nodes on each face.
+using FaceNodes = std::array<std::vector<FaceNode>, 6>;
+
+// Adds what the nodes behind a mirror have to their images. Nothing stays behind it. `walk` calls
+// f(face node) over a face: walk(face, f).
+template <class Walk, class T, Nodal quantity>
+void fold_where(Walk&& walk, const Faces& faces, NodeField<T, quantity> nodes, Mirrored kind) {
   for (int face = 0; face < 6; ++face) {
     if (!is_mirror(faces[face])) continue;
-    for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
+    walk(face, [&, face](const FaceNode& at) {
       auto image = nodes[at.outside];
       if (kind == Mirrored::vector)
         for (int c = 0; c < 3; ++c) image.v[c] *= T(mirror_sign(faces[face], face / 2, c));
@@ -83,13 +93,12 @@ void fold(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
 // Sets the components of a vector that a face holds to zero, then what is behind the face. The first is done
 // on all faces before the second: where a grid is one cell thick, what lies inside of a face is on the one
 // across. Magnitudes are only copied behind it.
-template <class Driver, class T, Nodal quantity>
-void constrain(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
-               NodeField<T, quantity> nodes, Mirrored kind = Mirrored::vector) {
+template <class Walk, class T, Nodal quantity>
+void constrain_where(Walk&& walk, const Faces& faces, NodeField<T, quantity> nodes, Mirrored kind) {
   const auto on_each = [&](auto&& act) {
     for (int face = 0; face < 6; ++face) {
       if (!is_mirror(faces[face])) continue;
-      for_each_face_node(driver, grid, face, [&, face](const FaceNode& at) {
+      walk(face, [&, face](const FaceNode& at) {
         for (int c = 0; c < 3; ++c)
           act(at, c, kind == Mirrored::vector ? mirror_sign(faces[face], face / 2, c) : 1);
       });
@@ -100,6 +109,28 @@ void constrain(const Driver& driver, const GridGeometry<T>& grid, const Faces& f
   });
   on_each(
       [&](const FaceNode& at, int c, int sign) { nodes[at.outside].v[c] = T(sign) * nodes[at.inside].v[c]; });
+}
+
+// Do so at all nodes on the faces, or at some, to vectors.
+template <class Driver, class T, Nodal quantity>
+void fold(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces, NodeField<T, quantity> nodes,
+          Mirrored kind) {
+  fold_where([&](int face, auto&& f) { for_each_face_node(driver, grid, face, f); }, faces, nodes, kind);
+}
+template <class Driver, class T, Nodal quantity>
+void constrain(const Driver& driver, const GridGeometry<T>& grid, const Faces& faces,
+               NodeField<T, quantity> nodes, Mirrored kind = Mirrored::vector) {
+  constrain_where([&](int face, auto&& f) { for_each_face_node(driver, grid, face, f); }, faces, nodes, kind);
+}
+template <class T, Nodal quantity>
+void fold(const FaceNodes& some, const Faces& faces, NodeField<T, quantity> nodes) {
+  fold_where([&](int face, auto&& f) { std::ranges::for_each(some[face], f); }, faces, nodes,
+             Mirrored::vector);
+}
+template <class T, Nodal quantity>
+void constrain(const FaceNodes& some, const Faces& faces, NodeField<T, quantity> nodes) {
+  constrain_where([&](int face, auto&& f) { std::ranges::for_each(some[face], f); }, faces, nodes,
+                  Mirrored::vector);
 }
 
 }  // namespace pockmark

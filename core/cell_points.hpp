@@ -93,17 +93,19 @@ class CellsAround {
   PM_HD CellsAround(const Cells<T>& cells, const Steps& steps, std::size_t own)
       : cells_(cells), steps_(steps), own_(own) {}
 
-  // Finds the divergence of the cells that count.
-  PM_HD void find_divergence(Quad<T> (&out)[S][S]) const {
-    for_each_row([&](int i, int j, std::size_t row)
-                     PM_INLINE { load_four(cells_.divergence + row, out[i][j].v); });
-    if (all_count()) return;
+  PM_HD bool all_count() const { return !whole_only || cells_.is_surrounded[own_]; }
+  // Returns where the divergence of the first of them is.
+  PM_HD const T* divergence() const { return cells_.divergence + own_ - steps_.back; }
+  // Finds the divergence of the cells, where not all count.
+  PM_HD void find_divergence(T (&out)[S][S][4]) const {
     const T one = cells_.divergence[own_];
     const Four<T> own{one, one, one, one};
     for_each_row([&](int i, int j, std::size_t row) PM_INLINE {
-      Four<T> counts;
+      Four<T> counts, found;
       find_counting(row, counts);
-      out[i][j].v = counts * out[i][j].v + (own - counts * own);
+      load_four(cells_.divergence + row, found);
+      found = counts * found + (own - counts * own);
+      std::memcpy(out[i][j], &found, sizeof(found));
     });
   }
   // Pushes the cells that count.
@@ -135,7 +137,6 @@ class CellsAround {
     const std::uint8_t* const whole = cells_.is_whole + row;
     counts = Four<T>{T(whole[0]), T(whole[1]), T(whole[2]), T(0)};
   }
-  PM_HD bool all_count() const { return !whole_only || cells_.is_surrounded[own_]; }
 
   const Cells<T>& cells_;
   const Steps& steps_;
@@ -198,11 +199,26 @@ void move_mean_to_cells(const Points<T>& points, const GridGeometry<T>& grid, co
 }
 
 // Where gather_strain takes the trace of a strain from: the points' own gradient, or the divergence that
-// cells give. around(bundle).replace_trace(strain, place) puts it there.
+// cells give. around(bundle).trace_at(place).put_into(strain) puts it there.
 struct OwnVolume {
   PM_HD OwnVolume around(const Bundle&) const { return {}; }
   template <class V>
-  PM_HD void replace_trace(Sym3<V>&, const Vec3<V>&) const {}
+  PM_HD OwnVolume trace_at(const Vec3<V>&) const {
+    return {};
+  }
+  template <class V>
+  PM_HD void put_into(Sym3<V>&) const {}
+};
+// A trace that is known.
+template <class V>
+struct Trace {
+  V of;
+  PM_HD void put_into(Sym3<V>& strain) const {
+    const V more = V(number_t<V>(1.0 / 3.0)) * (of - trace(strain));
+    strain.xx += more;
+    strain.yy += more;
+    strain.zz += more;
+  }
 };
 template <class Shape, class T>
 class CellVolume {
@@ -217,14 +233,21 @@ class CellVolume {
    public:
     PM_HD Around(const CellVolume& of, const Bundle& bundle)
         : dt_(of.dt_), inner_(T(bundle.base[0] - of.grid_.pad)), is_axisymmetric_(of.grid_.is_axisymmetric) {
-      CellsAround<Shape, T>(of.cells_, of.steps_, bundle.node).find_divergence(divergence_);
+      const CellsAround<Shape, T> around(of.cells_, of.steps_, bundle.node);
+      if (around.all_count()) {
+        first_ = around.divergence();
+        x_ = of.steps_.x;
+        y_ = of.steps_.y;
+      } else {
+        around.find_divergence(counted_);
+        first_ = counted_[0][0];
+        x_ = S * 4;
+        y_ = 4;
+      }
     }
     template <class V>
-    PM_HD void replace_trace(Sym3<V>& strain, const Vec3<V>& f) const {
-      const V more = V(T(1.0 / 3.0)) * (V(dt_) * divergence(f) - trace(strain));
-      strain.xx += more;
-      strain.yy += more;
-      strain.zz += more;
+    PM_HD Trace<V> trace_at(const Vec3<V>& f) const {
+      return {V(dt_) * divergence(f)};
     }
 
    private:
@@ -238,7 +261,7 @@ class CellVolume {
       for (int i = 0; i < S; ++i) {
         V plane;
         for (int j = 0; j < S; ++j) {
-          const auto& row = divergence_[i][j].v;
+          const T* const row = first_ + i * x_ + j * y_;
           V line = z[0] * V(row[0]);
           for (int k = 1; k < S; ++k) line += z[k] * V(row[k]);
           plane = j == 0 ? y[0] * line : plane + y[j] * line;
@@ -248,7 +271,11 @@ class CellVolume {
       return sum;
     }
 
-    Quad<T> divergence_[S][S];
+    // The first of the cells, and how far the next one lies along x and y: in the grid, or, where not all
+    // count, in a copy.
+    const T* first_;
+    std::size_t x_, y_;
+    T counted_[S][S][4];
     T dt_, inner_;
     bool is_axisymmetric_;
   };

@@ -47,6 +47,8 @@ concept IsDriver = requires(D d, const GridGeometry<T>& grid, std::size_t count,
   // (`stale`).
   d.for_each_line(is_so, f);
   d.forget_stale();
+  // Calls f(slot) for the slots of these nodes.
+  d.for_each_slot(f);
   // Calls f(i, j) for i < rows, j < columns.
   d.for_each_pair(n, n, f);
   // Adds up what other memories have put on nodes that they share.
@@ -54,6 +56,8 @@ concept IsDriver = requires(D d, const GridGeometry<T>& grid, std::size_t count,
   // What a block adds to its nodes.
   d.template add_carried<Shape>(block, carried, momentum);
   d.template add_force<Shape>(block, push, force);
+  // What a bundle adds to them for levers: see pockmark::add_moments.
+  { d.add_moments(*block.bundles, f, NodeField<T, Nodal::lever>{}) } -> std::same_as<T>;
   // Order: sort() for shape functions with that support; arrange() after each step, `is_so` after the
   // first one. It says whether sums over points may now have another order, or other points be awake.
   d.sort(n);

@@ -66,9 +66,8 @@ enum class Nodal {
   force,     // N
   damping,   // of transmitting faces: sum of rho c A, an entry a direction, kg/s
   surface,   // what tells where a body ends (contact.hpp)
-  cell,      // numbers of cells or nodes, in columns (cells.hpp, lever_marks.hpp)
+  cell,      // numbers of cells or nodes, in columns (cells.hpp, levers.hpp)
   lever,     // from the mass centre of the node's points to the node, cells (levers.hpp)
-  rows,      // of a matrix (levers.hpp)
 };
 
 // What the kernels see of a nodal array: all nodes, field after field.

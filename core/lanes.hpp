@@ -153,6 +153,10 @@ template <class T>
 PM_HD int count(LaneMask<T> m) {
   return std::popcount(m.bits());
 }
+template <class T>
+PM_HD unsigned bits_of(LaneMask<T> m) {
+  return m.bits();
+}
 // Also of narrower packs, which have no masks.
 template <class T, int bytes>
 PM_HD Lanes<T, bytes> positive_part(Lanes<T, bytes> a) {

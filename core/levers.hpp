@@ -8,35 +8,28 @@
 // from cells to nodes, to cells, to nodes, a sum over eight each time. The cells at a surface alone would not
 // do: what little mass lies in them may lie so close together that no gradient can be told.
 #pragma once
-#include <algorithm>
-#include <bit>
+#include <cmath>
+#include <functional>
 
-#include "boundary.hpp"
 #include "interpolant.hpp"
 #include "lever_marks.hpp"
+#include "slopes.hpp"
 
 namespace pockmark {
 
-// Three rows of three numbers at each node, or of each cell.
-template <class T>
-struct Rows {
-  NodeField<T, Nodal::rows> at[3];
-
-  PM_HD void set(std::size_t i, int r, const Vec3<T>& row) const { at[r][i].set_vector(row); }
-  PM_HD Vec3<T> row(std::size_t i, int r) const { return at[r][i].vector(); }
-};
-
-// What it takes. The fourth number of a lever is the mass of the node, of a cell's second row that of the
-// cell. A cell without mass has no say. Only what is marked is ever set or read: levers and sums of nodes in
-// ring 3, masses and rows of cells in ring 2.
+// What it takes. The fourth number of a lever is the mass of the node at first. Levers are set and read in
+// ring 3, what cells have in ring 2: no other cell has anything.
 template <class T>
 struct Levers {
   NodeField<T, Nodal::lever> at;  // from the mass centre to the node, in cells; then what gradients multiply
-  Rows<T> cells, nodes;
-  LeverMarks<T> marks;
+  T* filling;                     // of a node: its mass per space in the grid
+  T* mass;                        // of a cell
+  Slopes<T>* own;                 // of a cell
+  Slopes<T>* wide;                // sums over the cells around it
+  LeverMarks marks;
 
-  PM_HD T mass(std::size_t cell) const { return cells.at[1][cell].v[3]; }
-  PM_HD void set_mass(std::size_t cell, T mass) const { cells.at[1][cell].v[3] = mass; }
+  // How many cells without anything lie in memory before the first one.
+  static std::size_t margin(const GridGeometry<T>& grid) { return grid.index(1, 1, 1); }
 };
 
 // Mass centres that span less than this share of the space of their cells lie near a plane, a row or one
@@ -45,11 +38,18 @@ struct Levers {
 template <class T>
 inline constexpr T least_span = T(0.1);
 
-// Adds the moments of a bundle's mass about its nodes, sum N m (x - X), in cells, and the mass, to nodes and
-// cell. mass(p) is the mass of a point that counts.
+// A lever over the span is at most as long, in cells. At faces of blocks it is up to 1, at edges and corners
+// up to 2.5. Where mass centres lie close together along one direction it would grow with the noise of their
+// velocities: in rings that collide at 4.5 km/s the energy of points fell below zero, and the step to
+// nothing.
+template <class T>
+inline constexpr T longest_lever = T(2);
+
+// Adds the moments of a bundle's mass about its nodes, sum N m (x - X), in cells, and the mass, to the nodes.
+// mass(p) is the mass of a point that counts. Returns the mass of the bundle.
 template <class T, class Mass>
-void add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, Mass&& mass,
-                 const Levers<T>& levers) {
+T add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, Mass&& mass,
+              NodeField<T, Nodal::lever> moments) {
   Patch<Linear<T>, T> patch;
   T sum = 0;
   for (std::size_t p = bundle.begin; p < bundle.end; ++p) {
@@ -62,191 +62,217 @@ void add_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bun
                  Quad<T>{{f.x - T(i), f.y - T(j), f.z - T(k), T(1)}});
     });
   }
-  patch.add_to(grid, bundle, levers.at);
-  levers.set_mass(bundle.node, levers.mass(bundle.node) + sum);
+  patch.add_to(grid, bundle, moments);
+  return sum;
 }
 
-// A matrix, and its inverse.
+// What is done to the nodes and cells of a row. Where eight are added up, the four at either end along z are
+// one sum for two that follow one another.
 template <class T>
-struct Three {
-  T at[3][3];
-
-  PM_HD Vec3<T> row(int r) const { return {at[r][0], at[r][1], at[r][2]}; }
-  PM_HD T cofactor(int r, int a) const {
-    const int r1 = (r + 1) % 3, r2 = (r + 2) % 3, a1 = (a + 1) % 3, a2 = (a + 2) % 3;
-    return at[r1][a1] * at[r2][a2] - at[r1][a2] * at[r2][a1];
-  }
-  PM_HD T determinant() const {
-    return at[0][0] * cofactor(0, 0) + at[0][1] * cofactor(0, 1) + at[0][2] * cofactor(0, 2);
-  }
-  // Returns the solution x of A x = b.
-  PM_HD Vec3<T> solve(const Vec3<T>& b) const {
-    Vec3<T> x{};
-    const T per_determinant = T(1) / determinant();
-    for (int r = 0; r < 3; ++r)
-      for (int a = 0; a < 3; ++a) x[a] += per_determinant * cofactor(r, a) * b[r];
-    return x;
-  }
-};
-
-// What is done to a line of nodes and cells.
-template <class T>
-class LeverLine {
+class LeverRow {
  public:
-  LeverLine(const Levers<T>& levers, const Line<T>& line)
-      : levers_(levers), marks_(levers.marks), line_(line) {}
+  LeverRow(const GridGeometry<T>& grid, const RowBits<T>& rows, const Levers<T>& levers, const Row& row)
+      : levers_(levers),
+        marks_(levers.marks),
+        rows_(rows),
+        row_(row),
+        x_(grid.index(1, 0, 0)),
+        y_(grid.index(0, 1, 0)) {}
 
   // Forgets the moments of the last step.
   void clear() const {
-    for_each_node(3, [&](std::size_t node) { levers_.at[node] = {}; });
-    for_each_cell(2, [&](std::size_t cell) { levers_.set_mass(cell, T(0)); });
+    rows_.for_each(marks_.nodes[3], row_, [&](std::size_t node) { levers_.at[node] = {}; });
+    rows_.for_each(marks_.cells[2], row_, [&](std::size_t cell) { levers_.mass[cell] = T(0); });
   }
   // Turns moments into levers.
   void find_levers() const {
-    for_each_node(3, [&](std::size_t node) {
+    rows_.for_each(marks_.nodes[3], row_, [&](std::size_t node) {
       auto& at = levers_.at[node];
       at.set_vector(at.v[3] > least_mass<T> ? (T(-1) / at.v[3]) * at.vector() : Vec3<T>{});
     });
   }
   // Finds the slopes of the place of the mass centres in the cells, times the mass of the cell: the unit
-  // matrix where they lie at the nodes. The fourth number of the first row is the mass.
+  // matrix where they lie at the nodes. The fourth number along x is the mass.
   void find_spans() const {
-    for_each_cell(2, [&](std::size_t cell) {
-      const T mass = levers_.mass(cell);
-      if (!(mass > T(0))) marks_.cells[2][cell] = 0;
-      set_slopes(cell, -mass, levers_.at.data);
-      for (int r = 0; r < 3; ++r) levers_.cells.at[r][cell].v[r] += mass;
-      levers_.cells.at[0][cell].v[3] = mass;
+    take_out_the_empty();
+    find_slopes(levers_.at.data, [&](std::size_t cell, const Slopes<T>& slopes) {
+      const T mass = levers_.mass[cell];
+      auto& own = levers_.own[cell] = shares_of(-mass) * slopes;
+      for (int a = 0; a < 3; ++a) own.along[a].v[a] += mass;
+      own.along[0].v[3] = mass;
     });
   }
-  // Finds which cells around each node have mass.
-  void look_around() const {
-    for_each_node(3, [&](std::size_t node) {
-      unsigned bits = 0;
-      for (int i = 0; i < 8; ++i)
-        if (line_.corner(i) <= node) bits |= unsigned(marks_.cells[2][node - line_.corner(i)]) << i;
-      marks_.around[node] = std::uint8_t(bits);
-    });
-  }
-  // Ends with what a lever is to be multiplied with: the inverse of the mean of these slopes.
-  void divide_by_spans() const {
-    for_each_node(3, [&](std::size_t node) {
+  // Ends with what a lever is to be multiplied with: the inverse of the mean of these slopes. `shift` is how
+  // far mass centres lie off the nodes along x within a body, too: of that nothing is carried.
+  void divide_by_spans(T shift) const {
+    add_around([&](std::size_t node, const Slopes<T>& sum) {
       auto& at = levers_.at[node];
-      at.set_vector(marks_.nodes[1][node] ? per_span(node, at.vector()) : Vec3<T>{});
+      at.set_vector(per_span(sum, at.vector() + Vec3<T>{shift, T(0), T(0)}));
     });
+    for_each_beyond(marks_.nodes, 1, [&](std::size_t node) { levers_.at[node] = {}; });
   }
 
   // Finds the velocity gradients of the cells, times their mass.
   void find_gradients(Velocity<T> velocity) const {
-    for_each_cell(2, [&](std::size_t cell) { set_slopes(cell, levers_.mass(cell), velocity.data); });
+    find_slopes(velocity.data, [&](std::size_t cell, const Slopes<T>& slopes) {
+      levers_.own[cell] = shares_of(levers_.mass[cell]) * slopes;
+    });
   }
-  // Finds what forces do to the gradients.
+  // Adds up what the cells around each cell have: one, two and one along each axis, which is the sum over its
+  // nodes of the sums over their cells.
+  void widen() const {
+    widen(1, [&](std::size_t cell, const Slopes<T>& sum) { levers_.wide[cell] = sum; });
+  }
+  // Carries a velocity to the nodes, with the gradients around. What they had is kept.
+  void carry(Velocity<T> velocity, Velocity<T> kept) const {
+    add_around([&](std::size_t node, const Slopes<T>& sum) {
+      kept[node] = velocity[node];
+      const auto lever = levers_.at[node].v;
+      for (int a = 0; a < 3; ++a) velocity[node].v += lever[a] * sum.along[a].v;
+    });
+  }
+  void put_back(Velocity<T> kept, Velocity<T> velocity) const {
+    rows_.for_each(marks_.nodes[1], row_, [&](std::size_t node) { velocity[node] = kept[node]; });
+  }
+
+  // Finds what forces do to the gradients of the cells.
   void find_moments(Force<T> force) const {
-    for_each_cell(2, [&](std::size_t cell) {
-      Quad<T> sum[3];
-      for (int i = 0; i < 8; ++i) {
-        const std::size_t node = cell + line_.corner(i);
-        for (int r = 0; r < 3; ++r) add_scaled(sum[r], force[node].v[r], levers_.at[node]);
+    const auto across = [&](std::size_t first) PM_INLINE {
+      Slopes<T> sum;
+      for (const std::size_t node : {first, first + y_, first + x_, first + x_ + y_}) {
+        const auto lever = levers_.at[node].v;
+        for (int a = 0; a < 3; ++a) add_scaled(sum.along[a], lever[a], force[node]);
       }
-      for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, sum[r].vector());
+      return sum;
+    };
+    rows_.for_each_run(marks_.cells[1], row_, [&](std::size_t begin, std::size_t end) {
+      Slopes<T> lower = across(begin);
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        const Slopes<T> upper = across(cell + 1);
+        levers_.own[cell] = lower + upper;
+        lower = upper;
+      }
+    });
+    for_each_beyond(marks_.cells, 1, [&](std::size_t cell) { levers_.own[cell] = {}; });
+  }
+  // Adds them up as widen() does, for more cells, and finds the slopes that their forces have.
+  void widen_moments() const {
+    widen(2, [&](std::size_t cell, const Slopes<T>& sum) {
+      levers_.wide[cell] = shares_of(levers_.mass[cell]) * sum;
     });
   }
-  // Adds up what the cells around each node have; then what the nodes of each cell have. The nodes of the
-  // last ring have nothing of their own to give.
-  void spread() const {
-    for_each_node(3, [&](std::size_t node) {
-      Quad<T> sum[3];
-      if (marks_.nodes[2][node]) add_around(node, sum);
-      for (int r = 0; r < 3; ++r) levers_.nodes.at[r][node] = sum[r];
-    });
-  }
-  void gather(int ring) const {
-    for_each_cell(ring, [&](std::size_t cell) {
-      Quad<T> sum[3];
-      for (int i = 0; i < 8; ++i)
-        for (int r = 0; r < 3; ++r) sum[r] += levers_.nodes.at[r][cell + line_.corner(i)];
-      for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, sum[r].vector());
-      levers_.cells.at[0][cell].v[3] = sum[0].v[3];
-    });
-  }
-  // Carries a velocity to the nodes, with the gradients around.
-  void carry(Velocity<T> from, Velocity<T> to) const {
-    std::copy(from.data + line_.begin, from.data + line_.end, to.data + line_.begin);
-    for_each_node(1, [&](std::size_t node) {
-      Quad<T> rows[3];
-      add_around(node, rows);
-      const auto lever = levers_.at[node].vector();
-      for (int r = 0; r < 3; ++r) to[node].v[r] += dot(rows[r].vector(), lever);
-    });
-  }
-  // Adds what moments of the cells, times their mass, are as forces.
+  // Adds these forces.
   void carry_back(Force<T> force) const {
-    for_each_node(3, [&](std::size_t node) {
-      Vec3<T> sum{};
-      for_each_cell_around(node, [&](std::size_t cell, int i) {
-        const T share = T(0.25) * levers_.mass(cell);
-        const Vec3<T> slope{side(i, 4) * share, side(i, 2) * share, side(i, 1) * share};
-        for (int r = 0; r < 3; ++r) sum[r] += dot(levers_.cells.row(cell, r), slope);
-      });
-      force[node].set_vector(force[node].vector() + sum);
+    struct Level {
+      Quad<T> across, along;
+    };
+    const auto level = [&](std::size_t upper) PM_INLINE {
+      const auto &a = levers_.wide[upper - x_ - y_].along, &b = levers_.wide[upper - x_].along,
+                 &c = levers_.wide[upper - y_].along, &d = levers_.wide[upper].along;
+      return Level{{(a[0].v + b[0].v) - (c[0].v + d[0].v) + ((a[1].v + c[1].v) - (b[1].v + d[1].v))},
+                   {(a[2].v + b[2].v) + (c[2].v + d[2].v)}};
+    };
+    rows_.for_each_run(marks_.nodes[3], row_, [&](std::size_t begin, std::size_t end) {
+      Level lower = level(begin - 1);
+      for (std::size_t node = begin; node < end; ++node) {
+        const Level upper = level(node);
+        force[node].v += (lower.across.v + upper.across.v) + (lower.along.v - upper.along.v);
+        lower = upper;
+      }
     });
   }
 
  private:
-  static T side(int i, int bit) { return i & bit ? T(1) : T(-1); }
-
+  // Calls f for those of the next ring that are not in a ring.
   template <class F>
-  void for_each_node(int ring, F&& f) const {
-    for_each_marked(marks_.nodes[ring], line_.begin, line_.end, f);
+  void for_each_beyond(Bits* const (&of)[LeverMarks::rings], int ring, F&& f) const {
+    rows_.for_each_set(row_, [&](std::size_t w) { return of[ring + 1][w] & ~of[ring][w]; }, f);
   }
+  // Takes the cells without mass out of the rings. Cells that were in them have nothing any more.
+  void take_out_the_empty() const {
+    rows_.keep(marks_.cells[2], row_, [&](std::size_t cell) { return levers_.mass[cell] > T(0); });
+    rows_.for_each_word(row_, [&](std::size_t w) { marks_.cells[1][w] &= marks_.cells[2][w]; });
+    const auto left = [&](std::size_t w) { return marks_.is_set[w] & ~marks_.cells[2][w]; };
+    rows_.for_each_set(row_, left, [&](std::size_t cell) { levers_.own[cell] = levers_.wide[cell] = {}; });
+    rows_.for_each_word(row_, [&](std::size_t w) { marks_.is_set[w] = marks_.cells[2][w]; });
+  }
+  // Returns what slopes, four times too large, are multiplied with. The fourth number is no part of them.
+  static Quad<T> shares_of(T mass) {
+    const T share = T(0.25) * mass;
+    return Quad<T>{{share, share, share, T(0)}};
+  }
+  // Calls f(cell, slopes) for the cells of ring 2, with four times the mean slopes, per cell, of a vector
+  // that the nodes have.
   template <class F>
-  void for_each_cell(int ring, F&& f) const {
-    for_each_marked(marks_.cells[ring], line_.begin, line_.end_of_cells, f);
-  }
-  // Calls f(cell, i) for the cells with mass of which a node is corner i.
-  template <class F>
-  void for_each_cell_around(std::size_t node, F&& f) const {
-    for (unsigned bits = marks_.around[node]; bits != 0; bits &= bits - 1) {
-      const int i = std::countr_zero(bits);
-      f(node - line_.corner(i), i);
-    }
-  }
-  void add_around(std::size_t node, Quad<T> (&sum)[3]) const {
-    for_each_cell_around(node, [&](std::size_t cell, int) {
-      for (int r = 0; r < 3; ++r) sum[r] += levers_.cells.at[r][cell];
+  void find_slopes(const Quad<T>* nodes, F&& f) const {
+    const auto level = [&](std::size_t node) PM_INLINE {
+      const auto &a = nodes[node].v, &b = nodes[node + y_].v, &c = nodes[node + x_].v,
+                 &d = nodes[node + x_ + y_].v;
+      return Slopes<T>{{{(c + d) - (a + b)}, {(b + d) - (a + c)}, {(a + b) + (c + d)}}};
+    };
+    rows_.for_each_run(marks_.cells[2], row_, [&](std::size_t begin, std::size_t end) {
+      Slopes<T> lower = level(begin);
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        const Slopes<T> upper = level(cell + 1);
+        Slopes<T> slopes = lower + upper;
+        slopes.along[2].v = upper.along[2].v - lower.along[2].v;
+        f(cell, slopes);
+        lower = upper;
+      }
     });
   }
-  Vec3<T> per_span(std::size_t node, const Vec3<T>& lever) const {
-    Quad<T> sum[3];
-    add_around(node, sum);
+  // Calls f(cell, sum) for the cells of a ring.
+  template <class F>
+  void widen(int ring, F&& f) const {
+    const auto line = [&](std::size_t cell) PM_INLINE {
+      const auto* const own = levers_.own + cell;
+      return twice(*own) + (*(own - y_) + own[y_]);
+    };
+    const auto across = [&](std::size_t cell)
+                            PM_INLINE { return twice(line(cell)) + (line(cell - x_) + line(cell + x_)); };
+    rows_.for_each_run(marks_.cells[ring], row_, [&](std::size_t begin, std::size_t end) {
+      Slopes<T> lower = across(begin - 1), own = across(begin);
+      for (std::size_t cell = begin; cell < end; ++cell) {
+        const Slopes<T> upper = across(cell + 1);
+        f(cell, twice(own) + (lower + upper));
+        lower = own;
+        own = upper;
+      }
+    });
+  }
+  static Slopes<T> twice(const Slopes<T>& a) { return a + a; }
+  // Calls f(node, sum) for the nodes of ring 1, with what the cells around have.
+  template <class F>
+  void add_around(F&& f) const {
+    const auto across = [&](std::size_t cell) PM_INLINE {
+      const auto* const wide = levers_.wide + cell;
+      return (*wide + *(wide - y_)) + (*(wide - x_) + *(wide - x_ - y_));
+    };
+    rows_.for_each_run(marks_.nodes[1], row_, [&](std::size_t begin, std::size_t end) {
+      Slopes<T> lower = across(begin - 1);
+      for (std::size_t node = begin; node < end; ++node) {
+        const Slopes<T> upper = across(node);
+        f(node, lower + upper);
+        lower = upper;
+      }
+    });
+  }
+  static Vec3<T> per_span(const Slopes<T>& sum, const Vec3<T>& lever) {
     Three<T> span;
     for (int r = 0; r < 3; ++r)
-      for (int a = 0; a < 3; ++a) span.at[r][a] = sum[r].v[a];
-    const T weight = sum[0].v[3];
-    return span.determinant() > least_span<T> * weight * weight * weight ? span.solve(lever) : Vec3<T>{};
-  }
-
-  // Sets the rows of a cell to the mean slopes, per cell, of a nodal vector, times a factor.
-  void set_slopes(std::size_t cell, T factor, const Quad<T>* nodes) const {
-    const auto at = [&](int i) -> const Four<T>& { return nodes[cell + line_.corner(i)].v; };
-    const auto a = at(0), b = at(1), c = at(2), d = at(3), e = at(4), f = at(5), g = at(6), h = at(7);
-    const auto x = (e + f + g + h) - (a + b + c + d), y = (c + d + g + h) - (a + b + e + f),
-               z = (b + d + f + h) - (a + c + e + g);
-    const T share = T(0.25) * factor;
-    for (int r = 0; r < 3; ++r) levers_.cells.set(cell, r, {share * x[r], share * y[r], share * z[r]});
+      for (int a = 0; a < 3; ++a) span.at[r][a] = sum.along[a].v[r];
+    const T weight = sum.along[0].v[3];
+    if (!(span.determinant() > least_span<T> * weight * weight * weight)) return Vec3<T>{};
+    const auto at = span.solve(lever);
+    const T length = weight * std::sqrt(dot(at, at));
+    return longest_lever<T> < length ? (longest_lever<T> / length) * at : at;
   }
 
   const Levers<T>& levers_;
-  const LeverMarks<T>& marks_;
-  const Line<T>& line_;
+  const LeverMarks& marks_;
+  const RowBits<T>& rows_;
+  const Row& row_;
+  std::size_t x_, y_;  // to the next node along an axis
 };
-
-// What a mirror does to the rows of a cell: r is a component of what is mirrored, as `face` does it, a an
-// axis.
-template <class T>
-Vec3<T> mirrored_row(Face face, int face_axis, int r, Vec3<T> row) {
-  row[face_axis] = -row[face_axis];
-  return T(mirror_sign(face, face_axis, r)) * row;
-}
 
 }  // namespace pockmark

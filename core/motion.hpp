@@ -104,22 +104,17 @@ PM_NOINLINE bool relocate(const Points<T>& points, const GridGeometry<T>& grid, 
   return changed;
 }
 
-// Moves the points, x += dt sum N v_after (6). Calls leave(point, face) for a point that leaves the grid.
-// Returns whether a point changed its cell.
+// Moves the points of a block, x += factor times a vector that each has, in cells. Calls leave(point, face)
+// for a point that leaves the grid. Returns whether a point changed its cell.
 template <class Shape, class V, class T, class Leave>
-bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Block& block, Velocity<T> after,
-                 T dt, Leave&& leave) {
+bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
+                 const Columns<T, 3>& vectors, T factor, Leave&& leave) {
   bool changed = false;
-  Columns<T, 3> velocity;
-  gather_values<Shape, V>(points, block, velocity, [&](Patch<Shape, T>& patch, const Bundle& bundle) {
-    patch.load(grid, bundle, after);
-  });
-  const T cells_per_speed = dt * grid.per_metre;
   const V low = V(T(Shape::offset)), high = V(T(Shape::offset) + T(1));
   const auto inside = [&](V f) PM_INLINE { return low <= f && f < high; };
   for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
     const auto f = points.template vector<V>(Field::place, p, n) +
-                   V(cells_per_speed) * velocity.template vector<V>(p - block.begin);
+                   V(factor) * vectors.template vector<V>(p - block.begin);
     points.set_vector(Field::place, p, f, n);
     if (any(!(inside(f.x) && inside(f.y) && inside(f.z)) && first_lanes<V>(n)))
       for (int i = 0; i < n; ++i) changed |= relocate<Shape>(points, grid, p + i, leave);
@@ -137,6 +132,16 @@ bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Blo
         changed |= relocate<Shape>(points, grid, p, leave);
   });
   return changed;
+}
+// Moves them by a nodal velocity, x += dt sum N v_after (6).
+template <class Shape, class V, class T, class Leave>
+bool move_points(const Points<T>& points, const GridGeometry<T>& grid, const Block& block, Velocity<T> after,
+                 T dt, Leave&& leave) {
+  Columns<T, 3> velocity;
+  gather_values<Shape, V>(points, block, velocity, [&](Patch<Shape, T>& patch, const Bundle& bundle) {
+    patch.load(grid, bundle, after);
+  });
+  return move_points<Shape, V>(points, grid, block, velocity, dt * grid.per_metre, leave);
 }
 
 // Returns whether a step in which no node moves would leave the points of a block as they are.

@@ -16,6 +16,7 @@ PM_HD T select(bool condition, const T& yes, const T& no) {
 }
 PM_HD bool any(bool m) { return m; }
 PM_HD int count(bool m) { return m; }
+PM_HD unsigned bits_of(bool m) { return m; }
 PM_HD double root(double x) { return std::sqrt(x); }
 PM_HD float root(float x) { return std::sqrt(x); }
 

@@ -28,10 +28,11 @@ PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
 }
 
 // Finds how a nodal velocity strains the points of a block in a time dt; `volume` says where the trace comes
-// from.
-template <class Shape, class V, class Hints, class T, class Volume>
+// from. Calls also(i, f, displacement) for the points of a pack: the number of the first one in the block,
+// their places, and the nodes' displacement in dt/2, in cells.
+template <class Shape, class V, class Hints, class T, class Volume, class Also>
 void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
-                   Velocity<T> velocity, T dt, const Volume& volume, StrainColumns<T>& out) {
+                   Velocity<T> velocity, T dt, const Volume& volume, StrainColumns<T>& out, Also&& also) {
   for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
     Patch<Shape, T> patch;
     patch.load(grid, bundle, velocity);
@@ -41,14 +42,16 @@ void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const B
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
       Hints::template before<Pass::gradient>(points, p);
-      R d[3][3];  // dt/2 d v_c / d x_a
       const auto f = points.template vector<R>(Field::place, p, n);
+      const auto trace_of = anew(around).trace_at(f);  // first: it takes many registers, and leaves one
+      R d[3][3];                                       // dt/2 d v_c / d x_a
       anew(displacement).slopes(f, d);
       if (grid.is_axisymmetric) d[1][1] = hoop_rate(grid, bundle, patch, f);
       Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
                     d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
-      anew(around).replace_trace(small, f);
+      trace_of.put_into(small);
       const Vec3<R> turn{d[2][1] - d[1][2], d[0][2] - d[2][0], d[1][0] - d[0][1]};
+      also(p - block.begin, f, anew(displacement));
       store_strain(out, p - block.begin, Strain<R>(small, R(T(0.5)) * turn));
     });
   });

@@ -69,6 +69,10 @@ class Driver {
     tiles_.for_each_line(grid_, threads_, stale, f);
   }
   template <class F>
+  void for_each_slot(F&& f) const {
+    tiles_.for_each_tile(threads_, f);
+  }
+  template <class F>
   void for_each_pair(int rows, int columns, F&& f) const {
     for (int i = 0; i < rows; ++i)
       for (int j = 0; j < columns; ++j) f(i, j);
@@ -83,6 +87,10 @@ class Driver {
   template <class Shape>
   void add_force(const Block& block, const Columns<T, 6>& push, Force<T> force) const {
     scatter_force<Shape, V>(points_, grid_, block, push, force);
+  }
+  template <class Mass>
+  T add_moments(const Bundle& bundle, Mass&& mass, NodeField<T, Nodal::lever> moments) const {
+    return scatter_moments<V>(points_, grid_, bundle, mass, moments);
   }
 
   void forget_stale() { tiles_.forget_stale(); }

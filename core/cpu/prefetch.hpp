@@ -25,6 +25,15 @@ struct Prefetch {
       ask(points, p, Field::dilation, Field::energy, Field::deviator, Field::pressure, Field::viscosity,
           Field::damage, Field::velocity, Field::mass);
   }
+  // Asks for what the moments of the points of a bundle take.
+  template <class T>
+  PM_HD static void moments(const Points<T>& points, const Bundle& bundle) {
+    for (const T* at : {points.at(Field::place, 0), points.at(Field::place, 1), points.at(Field::place, 2),
+                        points.at(Field::mass)}) {
+      __builtin_prefetch(at + bundle.begin);
+      __builtin_prefetch(at + bundle.end - 1);
+    }
+  }
 
  private:
   static constexpr std::size_t ahead = 3 * Block::most, line = 64;

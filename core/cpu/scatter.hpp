@@ -30,7 +30,7 @@
 #pragma once
 #include <cstring>
 
-#include "../transfer.hpp"
+#include "../levers.hpp"
 
 namespace pockmark::cpu {
 
@@ -208,6 +208,35 @@ PM_HD void add_internal_force_lanes(const Points<T>& points, const GridGeometry<
   add_to_nodes(grid, bundle, sum, force);
 }
 
+// Does what add_moments does (levers.hpp).
+template <class T, class Mass>
+PM_HD T add_moments_lanes(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle,
+                          Mass&& mass, NodeField<T, Nodal::lever> moments) {
+  constexpr int registers = NodeLanes<T>::registers;
+  const auto y = AxisWeights<T>::slow(), z = AxisWeights<T>::fast();
+  const T *fx = points.at(Field::place, 0), *fy = points.at(Field::place, 1),
+          *fz = points.at(Field::place, 2);
+  // Where the nodes lie.
+  const Nodes<T> at_y = T(1) - y.start, at_z = T(1) - z.start;
+  Nodes<T> at_x[registers], sum[4][registers]{}, weight[registers];
+  spread(T(1), Nodes<T>{} + T(1), at_x);
+  T all = 0;
+  std::size_t p = bundle.begin;
+  do {
+    const T m = mass(p);
+    all += m;
+    spread(fx[p], m * (y(fy[p]) * z(fz[p])), weight);
+    for (int i = 0; i < registers; ++i) {
+      sum[0][i] += (fx[p] - at_x[i]) * weight[i];
+      sum[1][i] += (fy[p] - at_y) * weight[i];
+      sum[2][i] += (fz[p] - at_z) * weight[i];
+      sum[3][i] += weight[i];
+    }
+  } while (++p < bundle.end);
+  add_to_nodes(grid, bundle, sum, moments);
+  return all;
+}
+
 #endif
 
 // Add what the points of a block carry, or push with, to the nodes: the CPU's driver calls these.
@@ -232,6 +261,14 @@ void scatter_force(const Points<T>& points, const GridGeometry<T>& grid, const B
 #endif
     add_internal_force<Shape>(points, grid, block, push, bundle, force);
   });
+}
+template <class V, class Mass, class T = number_t<V>>
+T scatter_moments(const Points<T>& points, const GridGeometry<T>& grid, const Bundle& bundle, Mass&& mass,
+                  NodeField<T, Nodal::lever> moments) {
+#ifdef POCKMARK_LANES
+  if constexpr (Pack<V>::width > 1) return add_moments_lanes(points, grid, bundle, mass, moments);
+#endif
+  return add_moments(points, grid, bundle, mass, moments);
 }
 
 }  // namespace pockmark::cpu

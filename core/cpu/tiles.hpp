@@ -186,6 +186,13 @@ class Tiles {
       }
     }
   }
+  // Calls f(tile) for those over whose nodes for_each_line walks.
+  template <class F>
+  void for_each_tile(int threads, F&& f) const {
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int t = 0; t < count(); ++t)
+      if (!tiles_[t].idles) f(t);
+  }
 
  private:
   // Nodes along z.

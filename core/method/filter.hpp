@@ -70,7 +70,8 @@ class Filter {
     const auto mean = to_grid(first, Mirrored::vector);
     at_nodes_.find(
         mean, [&](std::size_t p) { return connected_.has(p) ? driver_.points().at(Field::mass)[p] : T(0); });
-    add(T(1), at_nodes_.of(mean), sum);
+    at_nodes_.carry(mean);
+    add(T(1), mean, sum);
     map_rest(sum, first);
     add_series(first, second, sum);
     map_rest(sum, first);
@@ -105,9 +106,11 @@ class Filter {
       Columns<T, 3> v;
       gather(block, {seen.data}, v);
       const auto& points = driver_.points();
-      for (int a = 0; a < 3; ++a)
-        for (std::size_t p = block.begin; p < block.end; ++p)
-          v.store(a, p - block.begin, points.at(Field::velocity, a)[p] - v.at[a][p - block.begin]);
+      for_each_pack<V>(block, [&](std::size_t p, int n) PM_INLINE {
+        const std::size_t i = p - block.begin;
+        const auto rest = points.template vector<V>(Field::velocity, p, n) - v.template vector<V>(i);
+        for (int a = 0; a < 3; ++a) v.store(a, i, rest[a]);
+      });
       map(block, {v.at[0], v.at[1], v.at[2]}, rest);
     });
   }
@@ -217,9 +220,10 @@ class Filter {
       const auto of_acting = [&](V value) PM_INLINE { return select(acts, value, V(0)); };
       const auto point = points.template state<V>(p, n);
       const V pressure = point.pressure, unseen = pressure - seen.template load<V>(1, i);
-      const V growth = of_acting(share * unseen * compliance(material, point));
+      const V fall = share * unseen;
+      const V growth = of_acting(fall * compliance(material, point, fall));
       // The pressure falls by the share of what is unseen: its mean does the work.
-      const V work = of_acting((pressure - V(T(0.5)) * share * unseen) * growth);
+      const V work = of_acting((pressure - V(T(0.5)) * fall) * growth);
       const V heat = of_acting(V(heat_share) * seen.template load<V>(0, i));
       Pack<V>::store(points.at(Field::dilation) + p, point.dilation + growth, n);
       add_energy(p, n, V(material.density) * heat - work);
@@ -229,14 +233,17 @@ class Filter {
     });
     return sum_of(sum);
   }
-  // Returns by how much V/V0 falls in a wave that raises the pressure, 1/Pa; 0 where no wave goes.
-  static V compliance(const Material<T>& material, const PointState<V>& point) {
+  // Returns by how much V/V0 grows in a wave in which the pressure falls, 1/Pa; 0 where no wave goes. One
+  // that raises it finds the material ever stiffer: by about four times the rise at its end, and half of it
+  // in the mean. Without this the points in front of a shock at 12 km/s are crushed to where the law ends.
+  static V compliance(const Material<T>& material, const PointState<V>& point, V fall) {
     const V ratio = point.ratio();
     const auto change = Compression<V>::of(point.dilation);
     const auto now =
         material.eos.visit([&](const auto& eos) PM_INLINE { return eos.at(change, point.energy); });
     const V shear = V(T(4.0 / 3.0)) * material.shear(conditions_of(point));
-    const V stiffness = max(now.stiffness(point.pressure, ratio), V(0)) + shear;
+    const V bulk = max(now.stiffness(point.pressure, ratio), V(0));
+    const V stiffness = bulk + shear + V(T(2)) * ratio * max(-fall, V(0));
     const auto goes = V(0) < stiffness;
     return select(goes, ratio * ratio / select(goes, stiffness, V(1)), V(0));
   }

@@ -2,6 +2,7 @@
 // of those before.
 #pragma once
 #include <optional>
+#include <vector>
 
 #include "../levers.hpp"
 #include "../timers.hpp"
@@ -20,6 +21,19 @@ struct Machine {
   TransmittingFaces<T> transmitting;
   std::optional<Contact<T>> contact;
   Timers timers;
+  // Where velocities are carried to the nodes (levers.hpp):
+  std::vector<Bits> bits;
+  std::array<Array<Slopes<T>>, 2> slopes;
+
+  // Makes room for what nodes and cells have: all zero.
+  void allocate() {
+    driver.allocate(model.grid, array_count());
+    if (!model.is_linear()) return;
+    const RowBits<T> rows(model.grid);
+    bits.assign(LeverMarks::columns * (rows.margin() + rows.words()), 0);
+    const std::size_t nodes = model.grid.field_count * model.grid.node_count();
+    for (auto& array : slopes) array.assign(Levers<T>::margin(model.grid) + nodes, {});
+  }
 
   // Calls f(name, part) for everything that a step reads of the steps before it, a number or an array: to
   // save it, or, where F::restores, to replace it. Throws std::invalid_argument if what f puts there does not
@@ -35,7 +49,7 @@ struct Machine {
   }
 
   // Arrays of the driver: two that take turns for momentum, one for forces, one for damping, and one for
-  // cells where volumetric strain is theirs; nine where velocities are carried to the nodes. The one for
+  // cells where volumetric strain is theirs; three where velocities are carried to the nodes. The one for
   // momentum that is free, all zero until velocities are mapped back, also serves contact.
   Momentum<T> momentum() { return driver.template nodes<Nodal::momentum>(state.momentum); }
   Momentum<T> other_momentum() { return driver.template nodes<Nodal::momentum>(2 - state.momentum); }
@@ -47,20 +61,27 @@ struct Machine {
   }
   Levers<T> levers() {
     if (!model.is_linear()) return {};
-    const auto row = [&](int i) { return driver.template nodes<Nodal::rows>(first_lever() + i); };
+    T* const numbers = reinterpret_cast<T*>(driver.template nodes<Nodal::cell>(first_lever() + 1).data);
+    const std::size_t nodes = model.grid.field_count * model.grid.node_count();
+    const std::size_t margin = Levers<T>::margin(model.grid);
     return {driver.template nodes<Nodal::lever>(first_lever()),
-            {{row(1), row(2), row(3)}},
-            {{row(4), row(5), row(6)}},
-            LeverMarks<T>::in(driver.template nodes<Nodal::cell>(first_lever() + 8),
-                              model.grid.field_count * model.grid.node_count())};
+            numbers,
+            numbers + nodes,
+            slopes[0].data() + margin,
+            slopes[1].data() + margin,
+            LeverMarks::in(bits.data(), RowBits<T>(model.grid))};
   }
   Velocity<T> carried() {
     if (!model.is_linear()) return {};
-    return driver.template nodes<Nodal::velocity>(first_lever() + 7);
+    return driver.template nodes<Nodal::velocity>(first_lever() + 2);
+  }
+  // Returns the bytes of what is no array of the driver.
+  std::size_t bytes() const {
+    return bits.size() * sizeof(Bits) + (slopes[0].size() + slopes[1].size()) * sizeof(Slopes<T>);
   }
   Force<T> force() { return driver.template nodes<Nodal::force>(1); }
   Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }
-  int array_count() const { return first_lever() + (model.is_linear() ? 9 : 0); }
+  int array_count() const { return first_lever() + (model.is_linear() ? 3 : 0); }
 
  private:
   int first_lever() const { return model.by_cells() ? 5 : 4; }

@@ -1,6 +1,9 @@
 // Which velocity the nodes strain and move the points with: the mean of their points', or that carried from
 // the mass centre of these to the node (levers.hpp).
 #pragma once
+#include <algorithm>
+#include <vector>
+
 #include "../levers.hpp"
 #include "lines.hpp"
 #include "machine.hpp"
@@ -10,6 +13,8 @@ namespace pockmark {
 template <class Driver>
 class NodeVelocity {
   using T = typename Driver::Number;
+  using V = typename Driver::Values;
+  using Hints = typename Driver::Hints;
 
  public:
   explicit NodeVelocity(Machine<Driver>& m)
@@ -17,8 +22,9 @@ class NodeVelocity {
         grid_(m.model.grid),
         faces_(m.model.faces),
         mirrors_(m.model.faces),
+        rows_(m.model.grid),
         levers_(m.levers()),
-        carried_(m.carried()),
+        spare_(m.carried()),
         is_linear_(m.model.is_linear()) {
     // A body is the same behind a fixed face as behind a plane of symmetry.
     for (Face& face : mirrors_)
@@ -30,8 +36,10 @@ class NodeVelocity {
   // Forgets where the last step has carried velocities.
   void clear() {
     if (!is_linear_) return;
-    driver_.for_each_line(true,
-                          [&](int, std::size_t begin, std::size_t end) { levers_.marks.clear(begin, end); });
+    driver_.for_each_line(true, [&](int, std::size_t begin, std::size_t end) {
+      rows_.for_each_word(rows_.row(begin, end), [&](std::size_t w) { levers_.marks.clear(w); });
+      std::fill(levers_.filling + begin, levers_.filling + end, T(0));
+    });
   }
   // Finds where to carry, by the masses of the nodes, and the levers: of all points, or of what mass(p)
   // leaves of them.
@@ -42,125 +50,165 @@ class NodeVelocity {
   void find(Velocity<T> mean, Mass&& mass) {
     if (!is_linear_) return;
     mark(mean);
-    walk([](const auto& line) { line.clear(); });
+    find_mirrored();
     driver_.scatter([&](int, const Block& block) {
-      for_each_bundle(block, [&](const Bundle& bundle) {
-        if (levers_.marks.cells[3][bundle.node]) add_moments(driver_.points(), grid_, bundle, mass, levers_);
+      for_each_marked(block, [&](const Bundle& bundle) { Hints::moments(driver_.points(), bundle); });
+      for_each_marked(block, [&](const Bundle& bundle) {
+        levers_.mass[bundle.node] += driver_.add_moments(bundle, mass, levers_.at);
       });
     });
     driver_.exchange(levers_.at);
-    fold(driver_, grid_, mirrors_, levers_.at, Mirrored::vector);
-    walk([](const auto& line) { line.find_levers(); });
-    constrain(driver_, grid_, mirrors_, levers_.at);
-    for_each_mirrored_cell(driver_, grid_, mirrors_, [&](std::size_t image, std::size_t cell) {
-      levers_.set_mass(image, levers_.mass(cell));
-    });
-    walk([](const auto& line) { line.find_spans(); });
-    walk([](const auto& line) { line.look_around(); });
+    fold(on_faces_, mirrors_, levers_.at);
+    walk([](const auto& row) { row.find_levers(); });
+    constrain(on_faces_, mirrors_, levers_.at);
+    for (const auto& [image, cell, face] : images_) levers_.mass[image] = levers_.mass[cell];
+    walk([](const auto& row) { row.find_spans(); });
     widen(mirrors_);
-    walk([](const auto& line) { line.divide_by_spans(); });
-    constrain(driver_, grid_, mirrors_, levers_.at);
+    for_each_row([&](const Row& row) {
+      LeverRow<T>(grid_, rows_, levers_, row).divide_by_spans(ring_shift(grid_, row));
+    });
+    constrain(on_faces_, mirrors_, levers_.at);
     forget_outside();
   }
-  // Returns the velocity at the nodes, for which there is one array: that of the last call is lost.
-  Velocity<T> of(Velocity<T> mean) {
-    if (!is_linear_) return mean;
-    walk([&](const auto& line) { line.find_gradients(mean); });
-    widen(faces_);
-    walk([&](const auto& line) { line.carry(mean, carried_); });
-    constrain(driver_, grid_, faces_, carried_);
-    return carried_;
+  // Carries a velocity, which is constrained, to the nodes. The means may be put back.
+  void carry(Velocity<T> mean) {
+    latest_ = mean;
+    if (!is_linear_) return;
+    carry_on(mean);
   }
-  // Returns the velocity that of() has found last, or `mean` where it is that.
-  Velocity<T> latest(Velocity<T> mean) const { return is_linear_ ? carried_ : mean; }
+  // Does the same with a copy of it, for which there is one array.
+  Velocity<T> carried(Velocity<T> mean) {
+    if (!is_linear_) return mean;
+    driver_.for_each_line(false, [&](int, std::size_t begin, std::size_t end) {
+      std::copy(mean.data + begin, mean.data + end, spare_.data + begin);
+    });
+    carry_on(spare_);
+    return spare_;
+  }
+  // Puts the means back where carry() has carried a velocity last.
+  void put_back() {
+    if (!is_linear_) return;
+    walk([&](const auto& row) { row.put_back(spare_, latest_); });
+    constrain(on_faces_, faces_, latest_);
+  }
+  // Returns the velocity that carry() has carried last, or `mean` where it is that.
+  Velocity<T> latest(Velocity<T> mean) const { return is_linear_ ? latest_ : mean; }
   // Takes forces on the nodes to the mass centres, where they do the same work.
   void take_back(Force<T> force) {
     if (!is_linear_) return;
-    constrain(driver_, grid_, faces_, force);
-    walk([&](const auto& line) { line.find_moments(force); });
-    fold_cells();
-    walk([](const auto& line) { line.spread(); });
-    walk([](const auto& line) { line.gather(2); });
-    fold_cells();
-    walk([&](const auto& line) { line.carry_back(force); });
+    constrain(on_faces_, faces_, force);
+    walk([&](const auto& row) { row.find_moments(force); });
+    fold_cells(levers_.own);
+    walk([](const auto& row) { row.widen_moments(); });
+    fold_cells(levers_.wide);
+    walk([&](const auto& row) { row.carry_back(force); });
   }
 
  private:
+  // A cell behind a mirror, and the one whose image it is.
+  struct Image {
+    std::size_t image, cell;
+    int face;
+  };
+
+  // Calls f for the bundles of a block whose cells are marked.
   template <class F>
-  void for_each_line(F&& f) const {
-    driver_.for_each_line(false,
-                          [&](int, std::size_t begin, std::size_t end) { f(Line<T>(grid_, begin, end)); });
+  void for_each_marked(const Block& block, F&& f) const {
+    for_each_bundle(block, [&](const Bundle& bundle) {
+      if (rows_.has(levers_.marks.cells[3], bundle)) f(bundle);
+    });
+  }
+  template <class F>
+  void for_each_row(F&& f) const {
+    driver_.for_each_slot([&](int slot) {
+      for (const Row& row : of_slots_[slot]) f(row);
+    });
   }
   template <class F>
   void walk(F&& f) const {
-    for_each_line([&](const Line<T>& line) { f(LeverLine<T>(levers_, line)); });
+    for_each_row([&](const Row& row) { f(LeverRow<T>(grid_, rows_, levers_, row)); });
   }
-  void mark(Velocity<T> mean) const {
+  // Finds the rows that points touch, and marks what is to be carried in them. No moment is left there.
+  void mark(Velocity<T> mean) {
     const auto& marks = levers_.marks;
-    for_each_line([&](const Line<T>& line) { find_filling(grid_, mean, marks, line); });
-    for_each_line([&](const Line<T>& line) { mark_surface(grid_, marks, line); });
-    for_each_mirrored_cell(driver_, grid_, faces_, [&](std::size_t image, std::size_t cell) {
-      marks.is_whole[image] = marks.is_whole[cell];
+    of_slots_.resize(std::size_t(driver_.slots()));
+    for (auto& rows : of_slots_) rows.clear();
+    driver_.for_each_line(false, [&](int slot, std::size_t begin, std::size_t end) {
+      const Row& row = of_slots_[slot].emplace_back(rows_.row(begin, end));
+      find_filling(grid_, mean, levers_.filling, row);
+      mark_mass(mean, marks.has_mass, row);
     });
-    for (int ring = 0; ring < LeverMarks<T>::rings; ++ring) {
-      if (ring > 0) for_each_line([&](const Line<T>& line) { mark_nodes(grid_, marks, ring, line); });
-      for_each_line([&](const Line<T>& line) { mark_cells(marks, ring, line); });
+    for_each_row([&](const Row& row) {
+      mark_whole(rows_, marks.has_mass, marks.is_whole, row);
+      mark_surface<V>(grid_, levers_.filling, marks, row);
+    });
+    rows_.mirror(faces_, marks.is_whole);
+    for (int ring = 0; ring < LeverMarks::rings; ++ring) {
+      if (ring > 0) for_each_row([&](const Row& row) { mark_nodes(rows_, marks, ring, row); });
+      for_each_row([&](const Row& row) { mark_cells(rows_, marks, ring, row); });
     }
+    walk([](const auto& row) { row.clear(); });
   }
-  // Calls f(image, cell, mirrored) where an image is marked, and with it the cell: mirrored(i, r) is row r of
-  // cell i in the mirror.
-  template <class F>
-  void for_each_mirrored(const Faces& faces, F&& f) const {
+  // Finds what is marked on faces, and in the cells behind mirrors.
+  void find_mirrored() {
+    images_.clear();
     for (int face = 0; face < 6; ++face) {
-      Faces one{};
-      one[face] = faces[face];
-      const auto mirrored = [&, face](std::size_t i, int r) {
-        return mirrored_row(faces[face], face / 2, r, levers_.cells.row(i, r));
-      };
-      for_each_mirrored_cell(driver_, grid_, one, [&](std::size_t image, std::size_t cell) {
-        if (levers_.marks.cells[2][image]) f(image, cell, mirrored);
-      });
+      on_faces_[face].clear();
+      if (!is_mirror(faces_[face])) continue;
+      rows_.for_each_face_node(
+          face, levers_.marks.nodes[3],
+          [](Bits on, Bits inside, Bits outside) { return on | inside | outside; },
+          [&](const FaceNode& at) { on_faces_[face].push_back(at); });
+      rows_.for_each_face_node(
+          face, levers_.marks.cells[2], [&](Bits on, Bits, Bits outside) { return face % 2 ? on : outside; },
+          [&](const FaceNode& at) {
+            const auto [image, cell] = mirrored_cell(face, at);
+            images_.push_back({image, cell, face});
+          });
     }
   }
-  // Adds up what cells have over those around, two away; the last sum, over the cells of a node, is left to
-  // do. The fourth number of the first row goes along.
+  void carry_on(Velocity<T> mean) const {
+    walk([&](const auto& row) { row.find_gradients(mean); });
+    widen(faces_);
+    walk([&](const auto& row) { row.carry(mean, spare_); });
+    constrain(on_faces_, faces_, mean);
+  }
+  // Adds up what cells have over those around; the last sum, over the cells of a node, is left to do.
   void widen(const Faces& faces) const {
-    const auto copy = [&] {
-      for_each_mirrored(faces, [&](std::size_t image, std::size_t cell, const auto& mirrored) {
-        for (int r = 0; r < 3; ++r) levers_.cells.set(image, r, mirrored(cell, r));
-        levers_.cells.at[0][image].v[3] = levers_.cells.at[0][cell].v[3];
-      });
+    const auto copy = [&](Slopes<T>* cells) {
+      for (const Image& one : images_) cells[one.image] = seen_in(faces, one, cells[one.cell]);
     };
-    copy();
-    walk([](const auto& line) { line.spread(); });
-    walk([](const auto& line) { line.gather(1); });
-    copy();
+    copy(levers_.own);
+    walk([](const auto& row) { row.widen(); });
+    copy(levers_.wide);
   }
   // Takes the levers from the nodes behind mirrors: their images speak for them.
   void forget_outside() const {
-    for (int face = 0; face < 6; ++face) {
-      if (!is_mirror(faces_[face])) continue;
-      for_each_face_node(driver_, grid_, face,
-                         [&](const FaceNode& at) { levers_.at[at.outside].set_vector({}); });
-    }
+    for (const auto& nodes : on_faces_)
+      for (const FaceNode& at : nodes) levers_.at[at.outside] = {};
   }
   // Gives what the cells behind a mirror have to their images: the transpose of the copy.
-  void fold_cells() const {
-    for_each_mirrored(faces_, [&](std::size_t image, std::size_t cell, const auto& mirrored) {
-      for (int r = 0; r < 3; ++r) {
-        levers_.cells.set(cell, r, levers_.cells.row(cell, r) + mirrored(image, r));
-        levers_.cells.set(image, r, {});
-      }
-    });
+  void fold_cells(Slopes<T>* cells) const {
+    for (const Image& one : images_) {
+      cells[one.cell] += seen_in(faces_, one, cells[one.image]);
+      cells[one.image] = {};
+    }
+  }
+  static Slopes<T> seen_in(const Faces& faces, const Image& one, const Slopes<T>& slopes) {
+    return mirrored(faces[one.face], one.face / 2, slopes);
   }
 
   Driver& driver_;
   const GridGeometry<T>& grid_;
   const Faces& faces_;
   Faces mirrors_;
+  RowBits<T> rows_;
   Levers<T> levers_;
-  Velocity<T> carried_;
+  Velocity<T> spare_, latest_{};
   bool is_linear_;
+  std::vector<std::vector<Row>> of_slots_;  // that points touch
+  FaceNodes on_faces_;                      // where something is marked
+  std::vector<Image> images_;               // that are marked
 };
 
 }  // namespace pockmark

@@ -28,6 +28,8 @@ class Solver {
            {},
            {},
            {},
+           {},
+           {},
            {}} {
     allocate();
   }
@@ -38,7 +40,7 @@ class Solver {
   const Timers& timers() const { return m_.timers; }
   const Points<T>& points() const { return m_.driver.points(); }
   std::size_t node_bytes() const {
-    return m_.driver.node_bytes() + anchorage_bytes_ + (m_.contact ? m_.contact->bytes() : 0);
+    return m_.driver.node_bytes() + m_.bytes() + anchorage_bytes_ + (m_.contact ? m_.contact->bytes() : 0);
   }
 
   // Gives the bodies for which `in_second` a velocity field of their own, in contact with the others. Before
@@ -157,7 +159,7 @@ class Solver {
   }
 
  private:
-  void allocate() { m_.driver.allocate(m_.model.grid, m_.array_count()); }
+  void allocate() { m_.allocate(); }
   void begin_anchorage() {
     m_.transmitting.anchorage().begin(m_.model.grid, m_.model.materials.size());
     anchorage_bytes_ = m_.transmitting.anchorage().bytes();

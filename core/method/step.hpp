@@ -3,10 +3,10 @@
 #pragma once
 #include <numeric>
 
-#include "../motion.hpp"
 #include "../stress.hpp"
 #include "lines.hpp"
 #include "machine.hpp"
+#include "mover.hpp"
 #include "node_velocity.hpp"
 #include "step_size.hpp"
 #include "volume.hpp"
@@ -20,10 +20,10 @@ class Step {
   using Hints = typename Driver::Hints;
 
  public:
-  explicit Step(Machine<Driver>& m) : m_(m), volume_(m), at_nodes_(m) {}
+  explicit Step(Machine<Driver>& m) : m_(m), volume_(m), at_nodes_(m), mover_(m) {}
 
   double dt() const { return state_.dt; }
-  const std::vector<std::vector<Exit>>& exits() const { return exits_; }
+  const auto& exits() const { return mover_.exits(); }
 
   // Sets the nodes that points touch to zero.
   void clear() {
@@ -41,14 +41,14 @@ class Step {
   }
 
   // (1), (2): maps momentum and mass of the points, unless the last step has done so, and returns the
-  // velocity.
+  // velocity: that carried to the nodes, until the forces are there.
   Velocity<T> map_points() {
     const auto momentum = m_.momentum();
     Velocity<T> before{};
     m_.timers.time("p2g", [&] {
       if (m_.transmitting.renews(grid_, state_.cycle))
         m_.transmitting.template renew<Shape>(model_, driver_, m_.damping());
-      if (!state_.is_mapped) driver_.scatter([&](int, const Block& block) { add(block, momentum); });
+      if (!state_.is_mapped) driver_.scatter([&](int, const Block& block) { mover_.add(block, momentum); });
       before = to_velocity(momentum);
       at_nodes_.find(before);
     });
@@ -58,14 +58,17 @@ class Step {
         m_.contact->template find<Shape>(model_, driver_, before, m_.surface(), T(dt()));
         fit(before);
       });
-    m_.timers.time("stress", [&] { volume_.begin(at_nodes_.of(before)); });
+    m_.timers.time("stress", [&] {
+      at_nodes_.carry(before);
+      volume_.begin(before);
+    });
     return before;
   }
 
   // (3), (4): strains the points by the velocity that was mapped, and returns the forces of the new stress.
   Force<T> stress_and_force(Velocity<T> before, const Pay& pay) {
     const auto force = m_.force();
-    stress(at_nodes_.latest(before), pay, [&](auto&& update) {
+    stress(before, pay, [&](auto&& update) {
       driver_.scatter([&](int slot, const Block& block) {
         Columns<T, 6> push;
         update(slot, block, push);
@@ -77,7 +80,8 @@ class Step {
   }
   // (3) alone: strains the points by a nodal velocity.
   void stress_only(Velocity<T> velocity, const Pay& pay) {
-    stress(straining(velocity), pay, [&](auto&& update) {
+    carry(velocity);
+    stress(velocity, pay, [&](auto&& update) {
       driver_.for_each_awake_block([&](int slot, const Block& block) {
         Columns<T, 6> push;
         update(slot, block, push);
@@ -134,7 +138,7 @@ class Step {
         [&](auto&& update) {
           driver_.scatter([&](int slot, const Block& block) {
             update(slot, block);
-            add(block, momentum);
+            mover_.add(block, momentum);
           });
         },
         before, after,
@@ -150,13 +154,13 @@ class Step {
   // three.
   void update_velocities_and_move(Velocity<T> before, Velocity<T> after) {
     const auto momentum = m_.other_momentum();
-    const auto motion = at_nodes_.of(after);
+    const auto motion = at_nodes_.carried(after);
     velocities(
         [&](auto&& update) {
-          regroup(
+          mover_.regroup(
               [&](int slot, const Block& block) {
                 update(slot, block);
-                return move_block(slot, block, motion);
+                return mover_.of_block(slot, block, motion, T(dt()));
               },
               momentum);
         },
@@ -178,22 +182,27 @@ class Step {
   // the cache. Where velocities are carried to the nodes, points move as they were strained last. `before` is
   // lost: its array takes the momentum.
   void move(Velocity<T> after) {
-    move_with(at_nodes_.latest(after), [](const Block&) {});
+    const auto by = at_nodes_.latest(after);
+    move_with([&](int slot, const Block& block) { return mover_.of_block(slot, block, by, T(dt())); });
   }
   // Does the same, after a last strain by a nodal velocity.
   void strain_and_move(Velocity<T> after, Velocity<T> by, double dt) {
-    const auto velocity = straining(by);
-    move_with(at_nodes_.latest(after), [&](const Block& block) {
+    carry(by);
+    move_with([&](int slot, const Block& block) {
       StrainColumns<T> strains;
-      volume_.gather(block, velocity, T(dt), strains);
-      strain_points<V, Hints>(driver_.points(), model_.materials.data(), block, strains);
+      if (!at_nodes_.is_linear()) {
+        volume_.gather(block, by, T(dt), strains);
+        strain(block, strains);
+        return mover_.of_block(slot, block, after, T(this->dt()));
+      }
+      Columns<T, 3> motion;  // in half of dt
+      volume_.gather(block, by, T(dt), strains, motion);
+      strain(block, strains);
+      return mover_.of_block(slot, block, motion, T(2 * this->dt() / dt));
     });
   }
 
  private:
-  void add(const Block& block, Momentum<T> momentum) {
-    driver_.template add_carried<Shape>(block, momentum_of(driver_.points()), momentum);
-  }
   // Completes a sum of the points: other memories, mirrors.
   template <Nodal quantity>
   void finish(NodeField<T, quantity> sum) {
@@ -208,10 +217,12 @@ class Step {
     constrain(driver_, grid_, model_.faces, velocity);
   }
 
-  // Returns the velocity at the nodes, of which the strains are, and lets the cells know of it.
-  Velocity<T> straining(Velocity<T> mean) {
-    m_.timers.time("stress", [&] { volume_.find(at_nodes_.of(mean)); });
-    return at_nodes_.latest(mean);
+  // Carries a velocity to the nodes, of which the strains are, and lets the cells know of it.
+  void carry(Velocity<T> mean) {
+    m_.timers.time("stress", [&] {
+      at_nodes_.carry(mean);
+      volume_.find(mean);
+    });
   }
   void add_forces(const Block& block, Columns<T, 6>& push, Force<T> force) {
     volume_.take_mean_stress(block, push);
@@ -222,6 +233,7 @@ class Step {
     finish(force);
     volume_.add_to(force);
     at_nodes_.take_back(force);
+    at_nodes_.put_back();
   }
 
   // Calls walk(update) with update(slot, block, push), which strains a block: block by block, while its
@@ -251,7 +263,7 @@ class Step {
   void velocities(Walk&& walk, Velocity<T> before, Velocity<T> after, Finish&& finish = [] {}) {
     m_.timers.time("g2p", [&] {
       std::vector<double> taken(driver_.slots());
-      exits_.assign(driver_.slots(), {});
+      mover_.begin_step();
       walk([&](int slot, const Block& block) {
         const double lost = pockmark::update_velocities<Shape, V, Hints>(
             driver_.points(), grid_, block, before, after, T(model_.options.pic_fraction));
@@ -262,28 +274,17 @@ class Step {
     });
   }
 
-  template <class Before>
-  void move_with(Velocity<T> after, Before&& first) {
+  void strain(const Block& block, const StrainColumns<T>& strains) const {
+    strain_points<V, Hints>(driver_.points(), model_.materials.data(), block, strains);
+  }
+  template <class Move>
+  void move_with(Move&& move) {
     const auto momentum = m_.momentum();
     m_.timers.time("move", [&] {
       clear_nodes(driver_, momentum);
-      regroup(
-          [&](int slot, const Block& block) {
-            first(block);
-            return move_block(slot, block, after);
-          },
-          momentum);
+      mover_.regroup(move, momentum);
       state_.is_mapped = true;
     });
-  }
-  // Returns whether a point changed its cell.
-  bool move_block(int slot, const Block& block, Velocity<T> after) {
-    return move_points<Shape, V>(driver_.points(), grid_, block, after, T(dt()),
-                                 [&](std::size_t p, int face) { exits_[slot].push_back({p, face}); });
-  }
-  template <class Move>
-  void regroup(Move&& move, Momentum<T> momentum) {
-    driver_.regroup(Shape::support, move, [&](int, const Block& block) { add(block, momentum); });
   }
 
   Machine<Driver>& m_;
@@ -293,7 +294,7 @@ class Step {
   const GridGeometry<T>& grid_ = m_.model.grid;
   Volume<Driver, Shape> volume_;
   NodeVelocity<Driver> at_nodes_;
-  std::vector<std::vector<Exit>> exits_;  // of each slot in the last move
+  Mover<Driver, Shape> mover_;
 };
 
 }  // namespace pockmark

@@ -33,13 +33,18 @@ class Volume {
   void find(Velocity<T> velocity) {
     if (by_cells_) find(velocity, [](std::size_t, std::size_t) {});
   }
-  // Finds how a nodal velocity, of which find() knows, strains the points of a block.
+  // Finds how a nodal velocity, of which find() knows, strains the points of a block in a time dt.
   void gather(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains) const {
-    const auto& points = driver_.points();
-    if (!by_cells_)
-      return gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt, OwnVolume{}, strains);
-    gather_strain<Shape, V, Hints>(points, grid_, block, velocity, dt,
-                                   CellVolume<Shape, T>(grid_, cells_, dt), strains);
+    gather_with(block, velocity, dt, strains, [](std::size_t, const auto&, const auto&) PM_INLINE {});
+  }
+  // Finds besides how far the points move in dt/2, in cells.
+  void gather(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains,
+              Columns<T, 3>& motion) const {
+    gather_with(block, velocity, dt, strains,
+                [&](std::size_t i, const auto& f, const auto& displacement) PM_INLINE {
+                  const auto half = displacement.value(f);
+                  for (int c = 0; c < 3; ++c) motion.store(c, i, half[c]);
+                });
   }
   // Takes the mean stress out of what a block pushes with, and pushes the cells with it.
   void take_mean_stress(const Block& block, Columns<T, 6>& push) const {
@@ -58,6 +63,17 @@ class Volume {
   }
 
  private:
+  template <class Also>
+  void gather_with(const Block& block, Velocity<T> velocity, T dt, StrainColumns<T>& strains,
+                   Also&& also) const {
+    const auto with = [&](const auto& volume) {
+      gather_strain<Shape, V, Hints>(driver_.points(), grid_, block, velocity, dt, volume, strains, also);
+    };
+    if (by_cells_)
+      with(CellVolume<Shape, T>(grid_, cells_, dt));
+    else
+      with(OwnVolume{});
+  }
   // Calls first(begin, end) for each line of cells while its nodes are in the cache.
   template <class First>
   void find(Velocity<T> velocity, First&& first) {

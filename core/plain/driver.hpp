@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "../transfer.hpp"
+#include "../levers.hpp"
 
 namespace pockmark::plain {
 
@@ -66,6 +66,10 @@ class Driver {
     for (std::size_t first = 0; first < all; first += row) f(0, first, first + row);
   }
   template <class F>
+  void for_each_slot(F&& f) const {
+    f(0);
+  }
+  template <class F>
   void for_each_pair(int rows, int columns, F&& f) const {
     for (int i = 0; i < rows; ++i)
       for (int j = 0; j < columns; ++j) f(i, j);
@@ -80,6 +84,10 @@ class Driver {
   template <class Shape>
   void add_force(const Block& block, const Columns<T, 6>& push, Force<T> force) const {
     add_internal_force<Shape>(points_, grid_, block, push, block.bundles[0], force);
+  }
+  template <class Mass>
+  T add_moments(const Bundle& bundle, Mass&& mass, NodeField<T, Nodal::lever> moments) const {
+    return pockmark::add_moments(points_, grid_, bundle, mass, moments);
   }
 
   void forget_stale() {}

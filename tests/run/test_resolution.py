@@ -65,7 +65,8 @@ def test_between_two_speeds_it_is_the_larger_error():
         ("impact.speed='2.1 km/s'",),
         ("impact.angle='10 deg'",),
         ("numerics.scheme='usf'",),
-        ("numerics.volumetric_strain='cells'",),
+        ("numerics.scheme='paper'",),
+        ("numerics.volumetric_strain='points'",),
         ("numerics.cfl=0.3",),
         ("contact.friction=0.1",),
         (

@@ -64,9 +64,10 @@ def test_what_is_saved_is_read_as_the_same_scene():
 
 def test_a_scene_of_three_dimensions_keeps_the_name_it_had():
     """Its hash says which run is its, and was there before the key."""
-    scene = Scene.load(NORMAL)
+    paper = "numerics.scheme=paper"
+    scene = Scene.load(NORMAL, [paper])
     assert scene.hash == "ae9f9d6b11a15859"
-    assert Scene.load(NORMAL, ["grid.geometry='3d'"]).hash == scene.hash != turned().hash
+    assert Scene.load(NORMAL, [paper, "grid.geometry='3d'"]).hash == scene.hash != turned(paper).hash
 
 
 @pytest.mark.parametrize("spacing", ["1 um", "0.7 um", "0.3 um"])

@@ -1,5 +1,7 @@
 """Axisymmetric runs: the hoop terms against NumPy, closed forms, the run of three dimensions, and what holds there."""
 
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 from builders import (
@@ -28,6 +30,40 @@ from pockmark.run.simulation import Simulation
 H = 1e-6
 SHAPES = pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
 VOLUMES = pytest.mark.parametrize("volume", ["points", "cells"])
+
+
+class Method(NamedTuple):
+    """What points take from the nodes, and how: as `numerics` says it."""
+
+    shape: str
+    volume: str
+    nodes: str = "mean"
+
+    def options(self, scheme="usavg", **more):
+        """Return the core's options."""
+        return options(scheme, self.shape, volume=self.volume, nodes=self.nodes, **more)
+
+    @property
+    def sets(self):
+        """Return the changes of a scene."""
+        return (
+            f"numerics.shape_functions={self.shape}",
+            f"numerics.volumetric_strain={self.volume}",
+            f"numerics.node_velocity={self.nodes}",
+            "numerics.filter.interval=0",
+        )
+
+    def __str__(self):
+        return "-".join(self)
+
+
+CARRIED = Method("trilinear", "cells", "linear")
+METHODS = pytest.mark.parametrize(
+    "method",
+    [Method(shape, volume) for shape in ("trilinear", "quadratic") for volume in ("points", "cells")]
+    + [CARRIED],
+    ids=str,
+)
 YOUNG, NU = 70e9, 0.3
 LAME, SHEAR = YOUNG * NU / ((1 + NU) * (1 - 2 * NU)), YOUNG / (2 * (1 + NU))
 FAST = np.sqrt((LAME + 2 * SHEAR) / RHO)  # m/s
@@ -144,11 +180,10 @@ def test_a_step_is_that_of_a_reference_in_r_and_z(shape, driver):
     assert off < 1e-11
 
 
-@SHAPES
-@VOLUMES
+@METHODS
 @pytest.mark.parametrize("driver", ["cpu", "plain"])
 @pytest.mark.parametrize("faces", [FREE, SYMMETRY, TRANSMITTING], ids=["free", "symmetry", "transmitting"])
-def test_the_ledger_closes(shape, volume, driver, faces):
+def test_the_ledger_closes(method, driver, faces):
     """Strain and force are each other's transpose, by cells too: what random velocities lose is what the points gain."""
     x, each = rings((0, 0), (16, 16), H / 2)
     rng = np.random.default_rng(1)
@@ -159,7 +194,7 @@ def test_the_ledger_closes(shape, volume, driver, faces):
         faces,
         (faces, faces),
         [aluminium()],
-        options(shape=shape, volume=volume),
+        method.options(),
         [(x, v, each, RHO, 0)],
         driver=driver,
     )
@@ -177,16 +212,16 @@ def test_the_ledger_closes(shape, volume, driver, faces):
 # ---- closed forms
 
 
-@SHAPES
-@VOLUMES
-def test_a_plane_shock_along_the_axis_is_that_of_three_dimensions(shape, volume):
+@METHODS
+def test_a_plane_shock_along_the_axis_is_that_of_three_dimensions(method):
     """Rings of equal z move as one, at any radius: neither the hoop force nor the weights 2 pi r leave a trace.
 
-    Quadratic functions and cells share the mass of rings near the axis in another way; there it is 1.2 %.
+    Quadratic functions and cells share the mass of rings near the axis in another way; there it is 1.2 %. Carried
+    velocities know surfaces by how full nodes are, which rings tell to a few per cent: some steps late or early.
     """
     n, v, layers = 48, 1000.0, 80
     toward = lambda x: np.where(x[:, 2:] > n * H / 2, [0.0, 0, -v], [0.0, 0, v])  # noqa: E731
-    opts, ends = options(shape=shape, volume=volume), (FREE, FREE)
+    opts, ends = method.options(), (FREE, FREE)
     x, each = rings((0, 4 * H), (12, layers), H / 2)
     turned = slice_solver(H, (6, n), SYMMETRY, ends, [aluminium()], opts, [(x, toward(x), each, RHO, 0)])
     y = lattice((0, 0, 4 * H), (2, 2, layers), H / 2)
@@ -201,12 +236,12 @@ def test_a_plane_shock_along_the_axis_is_that_of_three_dimensions(shape, volume)
     )
     for s in (turned, straight):
         s.advance(10**6, 2e-9)
-    limit = 0.015 if (shape, volume) == ("quadratic", "cells") else 1e-10
+    limit = {Method("quadratic", "cells"): 0.015, CARRIED: 1e-4}.get(method, 1e-10)
     for name, scale in (("pressure", 1e10), ("velocity", v), ("position", n * H)):
         a = by_id(turned, name).reshape(12, layers, -1)[..., -1]
         b = by_id(straight, name)[:layers].reshape(layers, -1)[:, -1]
         off = np.abs(a - b).max() / scale
-        print(f"{shape} {volume}: {name} off by {off:.1e}")
+        print(f"{method}: {name} off by {off:.1e}")
         assert off < limit
     assert by_id(turned, "pressure").max() > 1e10
     assert np.abs(by_id(turned, "velocity")[:, 0]).max() < limit * v
@@ -225,7 +260,7 @@ def breathing(s, mode, mass, guess):
     return 2 * np.pi / (zero[2] - zero[0])
 
 
-def cylinder_frequency(n, shape, volume, *, single=False):
+def cylinder_frequency(n, method, *, single=False):
     """A solid cylinder without strain along z, n cells from its axis to its free side: measured over exact."""
     ratio = 2 * SHEAR / (LAME + 2 * SHEAR)
     root = brentq(lambda k: k * j0(k) - ratio * j1(k), 1.0, 3.0)
@@ -239,14 +274,14 @@ def cylinder_frequency(n, shape, volume, *, single=False):
         FREE,
         (SYMMETRY, SYMMETRY),
         [elastic(YOUNG, NU, RHO)],
-        options(shape=shape, volume=volume, cfl=0.2),
+        method.options(cfl=0.2),
         [(x, 1e-5 * FAST * mode, each, RHO, 0)],
         single=single,
     )
     return breathing(s, mode, RHO * each, omega) / omega
 
 
-def sphere_frequency(n, shape, volume):
+def sphere_frequency(n, method):
     """A ball of n cells radius whose surface is free: measured over exact."""
     ratio = 4 * SHEAR / (LAME + 2 * SHEAR)
     root = brentq(lambda k: k * spherical_jn(0, k) - ratio * spherical_jn(1, k), 1.0, 4.0)
@@ -264,47 +299,45 @@ def sphere_frequency(n, shape, volume):
         FREE,
         (SYMMETRY, FREE),
         [elastic(YOUNG, NU, RHO)],
-        options(shape=shape, volume=volume, cfl=0.2),
+        method.options(cfl=0.2),
         [(x, 1e-5 * FAST * mode, each, RHO, 0)],
     )
     return breathing(s, mode, RHO * each, omega) / omega
 
 
-def told_errors(what, frequency, shape, volume):
+def told_errors(what, frequency, method):
     """Return by what shares frequencies are off on 8, 16 and 32 cells, and the rates at which that falls."""
     cells = (8, 16, 32)
-    errors = np.array([frequency(n, shape, volume) for n in cells]) - 1
+    errors = np.array([frequency(n, method) for n in cells]) - 1
     rates = np.log2(np.abs(errors[:-1]) / np.abs(errors[1:]))
     print(
-        f"{what} {shape} {volume}: off by {', '.join(f'{e:+.2e}' for e in errors)} for {cells} cells; rates {rates.round(2)}"
+        f"{what} {method}: off by {', '.join(f'{e:+.2e}' for e in errors)} for {cells} cells; rates {rates.round(2)}"
     )
     return np.abs(errors), rates
 
 
-@SHAPES
-@VOLUMES
-def test_an_elastic_cylinder_breathes_as_bessel_says(shape, volume):
-    """Plane strain: kR J0(kR) (lambda + 2 mu) = 2 mu J1(kR)."""
-    errors, rates = told_errors("cylinder", cylinder_frequency, shape, volume)
+@METHODS
+def test_an_elastic_cylinder_breathes_as_bessel_says(method):
+    """Plane strain: kR J0(kR) (lambda + 2 mu) = 2 mu J1(kR). Carried velocities come to order 2 from below."""
+    errors, rates = told_errors("cylinder", cylinder_frequency, method)
     assert errors[-1] < 5e-4
-    assert rates.min() > 1.9
+    assert rates.min() > (1.8 if method == CARRIED else 1.9)
 
 
 @PRECISIONS
 def test_an_elastic_cylinder_breathes_in_either_precision(single):
-    assert abs(cylinder_frequency(16, "trilinear", "points", single=single) - 1) < 3e-4
+    assert abs(cylinder_frequency(16, Method("trilinear", "points"), single=single) - 1) < 3e-4
 
 
-@SHAPES
-@VOLUMES
-def test_an_elastic_ball_breathes_as_lamb_says(shape, volume):
+@METHODS
+def test_an_elastic_ball_breathes_as_lamb_says(method):
     """Lamb 1882: kR j0(kR) (lambda + 2 mu) = 4 mu j1(kR). The surface is made of steps."""
-    errors, rates = told_errors("ball", sphere_frequency, shape, volume)
+    errors, rates = told_errors("ball", sphere_frequency, method)
     assert errors[-1] < 4e-3
     assert rates.min() > 1
 
 
-def outgoing(volume, shape):
+def outgoing(method):
     """The energy that is left of a cylindrical wave that went out through a transmitting face, as a share."""
     n, width = 120, 12 * H
     x, each = rings((0, 0), (2 * n, 2), H / 2)
@@ -316,7 +349,7 @@ def outgoing(volume, shape):
         TRANSMITTING,
         (SYMMETRY, SYMMETRY),
         [elastic(YOUNG, NU, RHO)],
-        options(shape=shape, volume=volume),
+        method.options(),
         [(x, v, each, RHO, 0)],
     )
     s.advance(10**6, 2.5 * n * H / FAST)  # in, through the axis, and out
@@ -325,15 +358,17 @@ def outgoing(volume, shape):
     return (ledger["kinetic"] + ledger["internal"]) / ledger["initial"]
 
 
-@VOLUMES
-def test_a_transmitting_side_takes_waves_that_went_through_the_axis(volume):
+@pytest.mark.parametrize(
+    "method", [Method("trilinear", "points"), Method("trilinear", "cells"), CARRIED], ids=str
+)
+def test_a_transmitting_side_takes_waves_that_went_through_the_axis(method):
     """Half of it goes in first. The face is a plane wave's, the wave curved: a share of about (width/4R)^2 stays."""
-    left = outgoing(volume, "trilinear")
-    print(f"{volume}: {left:.1e} of the energy is left")
+    left = outgoing(method)
+    print(f"{method}: {left:.1e} of the energy is left")
     assert left < 5e-3
 
 
-def implosion(shape, volume, contact):
+def implosion(method, contact):
     """A thick shell that runs to the axis at 2 km/s."""
     x, each = rings((4 * H, 2 * H), (24, 12), H / 2)
     z, inner = rings((0, 3 * H), (4, 8), H / 2)
@@ -344,7 +379,7 @@ def implosion(shape, volume, contact):
         FREE,
         (FREE, FREE),
         [aluminium(), aluminium()],
-        options(shape=shape, volume=volume),
+        method.options(),
         [(x, run_in, each, RHO, 0), (z, 0 * z, inner, RHO, 1)],
         friction=0.3 if contact else None,
     )
@@ -355,12 +390,11 @@ def implosion(shape, volume, contact):
     return s, nearest
 
 
-@SHAPES
-@VOLUMES
+@METHODS
 @pytest.mark.parametrize("contact", [False, True], ids=["sticks", "contact"])
-def test_what_runs_to_the_axis_does_not_cross_it(shape, volume, contact):
+def test_what_runs_to_the_axis_does_not_cross_it(method, contact):
     """v_r of the grid is 0 there, so rings come ever closer, and none has to be put back."""
-    s, nearest = implosion(shape, volume, contact)
+    s, nearest = implosion(method, contact)
     ledger, counters = s.ledger(), s.counters()
     print(
         f"nearest ring at {min(nearest):.3f} cells, rho/rho0 {s.max_compression():.2f}, error {ledger['error'] / ledger['initial']:.0e}"
@@ -400,17 +434,15 @@ NO_FAILURE = (
 )
 
 
-@SHAPES
-@VOLUMES
+@METHODS
 @pytest.mark.parametrize(
     "more",
     [(), ("contact.friction=0.3",), ("numerics.filter.interval=20",)],
     ids=["sticks", "contact", "filtered"],
 )
-def test_an_impact_closes_its_ledger(shape, volume, more):
+def test_an_impact_closes_its_ledger(method, more):
     """With failure, transmitting faces, and points that leave, at 12 km/s."""
-    numerics = (f"numerics.shape_functions={shape}", f"numerics.volumetric_strain={volume}")
-    simulation = Simulation(bench_scene(500_000, (TURNED, *numerics, *more, *LEAVING)), 1)
+    simulation = Simulation(bench_scene(500_000, (TURNED, *method.sets, *more, *LEAVING)), 1)
     simulation.advance(100e-9)
     ledger, counters = simulation.ledger(), simulation.counters()
     share = ledger["absorbed"] / ledger["initial"]
@@ -423,12 +455,11 @@ def test_an_impact_closes_its_ledger(shape, volume, more):
 
 
 @pytest.mark.parametrize("scheme", ["usf", "musl", "usl", "usavg"])
-@SHAPES
-@VOLUMES
+@METHODS
 @pytest.mark.parametrize(("single", "tolerance"), [(False, 1e-10), (True, 1e-2)], ids=["fp64", "fp32"])
-def test_the_drivers_agree(scheme, shape, volume, single, tolerance):
+def test_the_drivers_agree(scheme, method, single, tolerance):
     """Random rings of two bodies, some on the axis' side of the first cell: USL takes no cells."""
-    if (scheme, volume) == ("usl", "cells"):
+    if (scheme, method.volume) == ("usl", "cells"):
         return
     rng = np.random.default_rng(4)
     n, cells = 800, (14, 9)
@@ -443,7 +474,7 @@ def test_the_drivers_agree(scheme, shape, volume, single, tolerance):
             TRANSMITTING,
             (FREE, TRANSMITTING),
             [aluminium(), aluminium()],
-            options(scheme, shape, volume=volume, pic=0.02),
+            method.options(scheme, pic=0.02),
             [(x[body == b], v[body == b], each[body == b], RHO, b) for b in (0, 1)],
             single=single,
             driver=driver,
@@ -457,10 +488,13 @@ def test_the_drivers_agree(scheme, shape, volume, single, tolerance):
 
 
 @pytest.mark.parametrize("precision", ["double", "single"])
-@VOLUMES
-def test_threads_and_sleep_change_no_bit(precision, volume):
-    numerics = (f"numerics.precision={precision}", f"numerics.volumetric_strain={volume}")
-    scene = bench_scene(2_000_000, (TURNED, *numerics, *LEAVING))
+@pytest.mark.parametrize(
+    "method", [Method("trilinear", "points"), Method("trilinear", "cells"), CARRIED], ids=str
+)
+def test_threads_and_sleep_change_no_bit(precision, method):
+    numerics = (f"numerics.precision={precision}", *method.sets)
+    # Where velocities are carried, tiles sleep farther from surfaces.
+    scene = bench_scene(8_000_000 if method == CARRIED else 2_000_000, (TURNED, *numerics, *LEAVING))
     runs, asleep = [], 0
     for threads, sleep in ((1, False), (2, True)):
         simulation = Simulation(scene, threads, driver="cpu", sleep=sleep)
@@ -506,17 +540,18 @@ def state_of(scene, path):
 
 
 @pytest.mark.parametrize(
-    ("shape", "volume"), [("trilinear", "points"), ("quadratic", "points"), ("trilinear", "cells")]
+    "method",
+    [Method("trilinear", "points"), Method("quadratic", "points"), Method("trilinear", "cells"), CARRIED],
+    ids=str,
 )
-def test_the_crater_is_that_of_three_dimensions(shape, volume, tmp_path):
+def test_the_crater_is_that_of_three_dimensions(method, tmp_path):
     """The same cell, without failure, which depends on the last bit.
 
     The material lies within .15 um (a thirtieth of a cell). C_p of points is read up to half a spacing deeper: their
-    lattice has clefts in two directions. By cells that makes 2.8 % here.
+    lattice has clefts in two directions. By cells that makes 2.8 % here, with carried velocities 4.2 %, and 4 % in D_c.
     """
-    sets = (f"numerics.shape_functions={shape}", f"numerics.volumetric_strain={volume}")
     (turned, rings_down), (whole, points_down) = (
-        state_of(small(geometry, *sets), tmp_path / geometry) for geometry in ("axisymmetric", "3d")
+        state_of(small(geometry, *method.sets), tmp_path / geometry) for geometry in ("axisymmetric", "3d")
     )
     for name in ("depth", "diameter", "volume", "rim_height"):
         print(f"{name}: {turned['crater'][name]:.4g}, in three dimensions {whole['crater'][name]:.4g}")
@@ -526,9 +561,11 @@ def test_the_crater_is_that_of_three_dimensions(shape, volume, tmp_path):
         "depths now:",
         {z: (round(float(d), 2), round(float(points_down[z]), 2)) for z, d in rings_down.items()},
     )
-    limit = 0.03 if volume == "cells" else 0.02
+    limit = 0.05 if method == CARRIED else 0.03 if method.volume == "cells" else 0.02
     assert turned["crater"]["depth"] == pytest.approx(whole["crater"]["depth"], rel=limit)
-    assert turned["crater"]["diameter"] == pytest.approx(whole["crater"]["diameter"], rel=0.03)
+    assert turned["crater"]["diameter"] == pytest.approx(
+        whole["crater"]["diameter"], rel=0.05 if method == CARRIED else 0.03
+    )
     assert turned["crater"]["volume"] == pytest.approx(whole["crater"]["volume"], rel=0.02)
     for name in ("residual_internal", "kinetic", "absorbed"):
         assert turned["energy"][name] == pytest.approx(whole["energy"][name], abs=0.01)

@@ -106,8 +106,10 @@ def reference(x, v):
     total = around(filled[..., 0, 0] * of_corners(around(weight), np.ones(8)))
     tells = np.linalg.det(span) > 0.1 * total**3
     span[~tells] = np.eye(3)
-    gradient = wide(slopes(mean)) @ np.linalg.inv(span)
-    carried = mean + np.where(tells[..., None], np.einsum("...ij,...j", gradient, lever), 0.0)
+    over = np.where(tells[..., None], np.linalg.solve(span, lever[..., None])[..., 0], 0.0)
+    length = total * np.linalg.norm(over, axis=-1)
+    over *= (np.minimum(length, 2) / np.maximum(length, 1e-300))[..., None]
+    carried = mean + np.einsum("...ij,...j", wide(slopes(mean)), over)
     out = np.zeros((len(x), 3, 3))
     for corner in CORNERS:
         w, sign = np.where(corner, f, 1 - f), 2.0 * corner - 1
@@ -126,19 +128,31 @@ def test_the_strains_are_those_of_a_reference(driver):
     assert off < 1e-6
 
 
+def off_by(rates, stretch):
+    """Return how far strain rates are off those of a linear velocity: the largest, and all but a fortieth, as shares.
+
+    Levers at corners may be cut to two cells, which leaves some points there with a little of the error of the mean.
+    """
+    off = np.abs(rates - deviatoric(stretch)).max(axis=1) / np.abs(stretch).max()
+    return off.max(), np.quantile(off, 0.975)
+
+
 @pytest.mark.parametrize("scheme", ["usf", "usl", "musl"])
 def test_a_linear_velocity_strains_every_point_alike(scheme):
     """At the surface too, where the mean of the points is another velocity: it strains a body that only turns."""
     x = body()
     stretch = np.array([[3.0, 1.0, -2.0], [0.5, -1.0, 2.0], [1.0, 0.3, 4.0]]) * 1e3
     turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 0]]) * 1e4  # 1/s
-    off = {}
     for nodes in ("mean", "linear"):
-        rates = strain_rates(moving(x, x @ (stretch + turn).T, scheme=scheme, nodes=nodes))
-        off[nodes] = np.abs(rates - deviatoric(stretch)).max() / np.abs(stretch).max()
-    print(f"{scheme}: largest strain rate off by {off['mean']:.2g} with means, {off['linear']:.1e} linear")
-    assert off["mean"] > 0.5
-    assert off["linear"] < 1e-5
+        worst, most = off_by(
+            strain_rates(moving(x, x @ (stretch + turn).T, scheme=scheme, nodes=nodes)), stretch
+        )
+        print(f"{scheme}, {nodes}: strain rates off by up to {worst:.1e}, 39 in 40 by up to {most:.1e}")
+        if nodes == "mean":
+            assert most > 0.5
+        else:
+            assert most < 1e-5
+            assert worst < 0.01
 
 
 def test_within_a_body_nodes_keep_the_mean_and_a_linear_velocity_is_strained_alike_all_the_same():
@@ -152,9 +166,12 @@ def test_within_a_body_nodes_keep_the_mean_and_a_linear_velocity_is_strained_ali
     assert np.array_equal(mean[inside], linear[inside])
     assert np.abs(mean - linear).max() > 0.1 * np.abs(mean).max()
     stretch = np.array([[3.0, 1.0, -2.0], [0.5, -1.0, 2.0], [1.0, 0.3, 4.0]]) * 1e3
-    off = np.abs(strain_rates(moving(x, x @ stretch.T, cells=cells)) - deviatoric(stretch)).max()
-    print(f"{inside.sum()} of {len(x)} points inside; strain rates off by {off / np.abs(stretch).max():.1e}")
-    assert off < 1e-5 * np.abs(stretch).max()
+    worst, most = off_by(strain_rates(moving(x, x @ stretch.T, cells=cells)), stretch)
+    print(
+        f"{inside.sum()} of {len(x)} points inside; strain rates off by up to {worst:.1e}, most by {most:.1e}"
+    )
+    assert most < 1e-5
+    assert worst < 0.02
 
 
 @pytest.mark.parametrize("densities", [(1.0, 1.0), (1.0, 8.0)])
@@ -274,13 +291,8 @@ def test_two_threads_give_the_bits_of_one():
     assert_same_bits(one, two)
 
 
-@pytest.mark.parametrize(
-    ("sets", "said"),
-    [
-        (("numerics.shape_functions=quadratic",), "shape_functions 'quadratic'"),
-        (("grid.geometry=axisymmetric",), "geometry 'axisymmetric'"),
-    ],
-)
-def test_what_does_not_go_with_it_is_said(sets, said):
-    with pytest.raises(PockmarkError, match=rf"numerics\.node_velocity: found 'linear' .*{said}"):
-        Scene.load(QUICK, ["numerics.node_velocity=linear", *sets])
+def test_that_quadratic_functions_do_not_go_with_it_is_said():
+    with pytest.raises(
+        PockmarkError, match=r"numerics\.node_velocity: found 'linear' .*shape_functions 'quadratic'"
+    ):
+        Scene.load(QUICK, ["numerics.node_velocity=linear", "numerics.shape_functions=quadratic"])

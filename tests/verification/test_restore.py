@@ -69,7 +69,7 @@ def test_a_restored_run_goes_on_to_the_last_bit(name, driver):
 
 
 def test_what_sleeps_is_restored_asleep():
-    scene = bench_scene(60_000, ("impact.speed=4000",))
+    scene = bench_scene(60_000, ("impact.speed=4000", "numerics.node_velocity=mean"))
     whole = Simulation(scene, 1, driver="cpu")
     whole.advance(1.0, max_steps=1)
     resumed = Simulation(scene, 2, driver="cpu", parts=copied(whole.save()))

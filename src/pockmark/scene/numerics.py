@@ -22,11 +22,11 @@ class Filter(Model):
     What it takes becomes heat.
     """
 
-    interval: Annotated[int, Field(ge=0, le=10_000), Hint("20, if any")] = 0
+    interval: Annotated[int, Field(ge=0, le=10_000), Hint("10")] = 10
     """Steps from one filtering to the next; 0 filters never."""
-    order: Annotated[int, Field(ge=0, le=16)] = 3
+    order: Annotated[int, Field(ge=0, le=16)] = 2
     """Order of the velocity's filter; 0 leaves the velocity alone."""
-    pressure: Annotated[Number, Field(ge=0, le=1)] = 0.5
+    pressure: Annotated[Number, Field(ge=0, le=1)] = 1.0
     """Share of the unseen pressure that relaxes each time; 0 leaves the pressure alone."""
 
     @model_validator(mode="after")
@@ -39,12 +39,19 @@ class Filter(Model):
 
 
 # What the scheme "paper" stands for: the method with which the paper's tables are reproduced.
-PAPER = {
+PAPER: dict[str, Any] = {
     "scheme": "usavg",
     "shape_functions": "trilinear",
     "volumetric_strain": "points",
     "node_velocity": "mean",
     "filter": {"interval": 0},
+}
+
+
+# The defaults that a choice brings with it, because it does not go with those of all others.
+BROUGHT = {
+    ("shape_functions", "quadratic"): {"node_velocity": "mean"},
+    ("scheme", "usl"): {"volumetric_strain": "points"},
 }
 
 
@@ -54,15 +61,13 @@ class Numerics(Model):
     scheme: Annotated[
         Literal["usf", "musl", "usl", "usavg", "paper"], Hint('"usavg", whose energies add up')
     ] = "usavg"
-    """When a step updates the stress; "paper" is usavg with all that the paper's tables were made with."""
+    """When a step updates the stress; "paper" is usavg with what the paper's tables are made with."""
     shape_functions: Literal["trilinear", "quadratic"] = "trilinear"
-    """How points and nodes see each other; "quadratic" is smoother, and takes more time a step."""
-    volumetric_strain: Annotated[
-        Literal["points", "cells"], Hint('"cells" below 5 km/s, with trilinear functions')
-    ] = "points"
-    """Where the change of volume comes from; by "cells" a shock is right in any frame, at 1.3 times the cost."""
-    node_velocity: Annotated[Literal["mean", "linear"], Hint('"linear" where bodies spin')] = "mean"
-    """What nodes get of the points' velocity; "linear" keeps the angular momentum, at 1.4 times the cost."""
+    """How points and nodes see each other; "quadratic" takes more time a step, and node_velocity "mean" with it."""
+    volumetric_strain: Annotated[Literal["points", "cells"], Hint('"cells"')] = "cells"
+    """Where the change of volume comes from; by "points", as in the paper, a plane shock depends on the frame."""
+    node_velocity: Annotated[Literal["mean", "linear"], Hint('"linear"')] = "linear"
+    """What nodes get of the points' velocity; "mean", as in the paper, lets the crater move with the cell and brakes what spins."""
     cfl: Annotated[Number, Field(gt=0, le=1), Hint("0.5")] = 0.5
     """Step over the time in which a wave crosses a cell."""
     strain_limit: Annotated[Number, Field(gt=0, le=1), Hint("0.2")] = 0.2
@@ -78,10 +83,19 @@ class Numerics(Model):
     @model_validator(mode="before")
     @classmethod
     def _spell_out(cls, table: Any) -> Any:
-        """Return the table with what the scheme "paper" stands for; what is written beside it counts."""
-        if not isinstance(table, Mapping) or table.get("scheme") != "paper":
+        """Return the table with what its choices bring, and what the scheme "paper" stands for; what is written counts."""
+        if not isinstance(table, Mapping):
             return table
-        return {**PAPER, **{key: value for key, value in table.items() if key != "scheme"}}
+        if table.get("scheme") == "paper":
+            written = {key: value for key, value in table.items() if key != "scheme"}
+            if isinstance(written.get("filter"), Mapping):
+                written["filter"] = {**PAPER["filter"], **written["filter"]}
+            return {**PAPER, **written}
+        brought: dict[str, str] = {}
+        for (key, value), more in BROUGHT.items():
+            if table.get(key) == value:
+                brought |= more
+        return {**brought, **table}
 
 
 class Output(Model):

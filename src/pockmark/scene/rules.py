@@ -121,8 +121,6 @@ def _velocities_can_be_carried(scene: "Scene") -> Iterator[str]:
         return
     if scene.numerics.shape_functions != "trilinear":
         yield f"numerics.node_velocity: found 'linear' with shape_functions '{scene.numerics.shape_functions}', which goes with 'trilinear' only"
-    if scene.grid.is_axisymmetric:
-        yield "numerics.node_velocity: found 'linear' with grid.geometry 'axisymmetric', which goes with '3d' only"
 
 
 def _comes_to_an_end(scene: "Scene") -> Iterator[str]:
