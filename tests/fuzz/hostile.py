@@ -12,7 +12,11 @@ from typing import Any
 
 from toml_text import Raw, text_of, to_toml
 
-EXAMPLES = [path.read_bytes() for path in sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))]
+# Named, for another example would make other cases of all seeds.
+EXAMPLES = [
+    (Path(__file__).parents[2] / "examples" / f"{name}.toml").read_bytes()
+    for name in ("group-4500", "normal-2200", "quick")
+]
 # Every table that the examples leave out.
 OPTIONAL: dict[str, Any] = {
     "contact": {"friction": 0.1},

@@ -12,7 +12,7 @@ from test_restore import copied
 from pockmark import PockmarkError, Scene
 from pockmark.run.bench import bench_scene
 from pockmark.run.simulation import Simulation
-from pockmark.scene.scene import hash_of
+from pockmark.scene.identity import hash_of
 
 H = 1e-6
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"

@@ -26,6 +26,13 @@ LEDGER = {
     "left_momentum_y": "momentum along y of the points that left, kg m/s",
     "left_momentum_z": "momentum along z of the points that left, kg m/s",
 }
+
+
+def unit_of(key: str) -> str:
+    """Return the unit in which a key of the ledger is kept."""
+    return "kg" if key.endswith("mass") else "kg m/s" if "momentum" in key else "J"
+
+
 # Keys in the order in which tables and pictures show them:
 SHARES = (
     "internal",

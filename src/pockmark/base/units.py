@@ -7,12 +7,14 @@ decimal point and at most one exponent. The unit is made of names of `UNITS` (wi
 
 import math
 import re
+from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache, lru_cache
 from typing import Annotated, Any
 
 import pint
-from pydantic import BeforeValidator
+from pydantic import GetCoreSchemaHandler
+from pydantic_core import core_schema
 
 from .errors import found
 
@@ -108,15 +110,28 @@ def _known(written: str, unit: str) -> Any:
     return given
 
 
-def quantity(unit: str, low: float = -math.inf, high: float = math.inf) -> BeforeValidator:
-    """Return how pydantic reads a key that is a quantity in `unit`, from `low` to `high`."""
-    return BeforeValidator(lambda value: to_si(value, unit, low, high))
+@dataclass(frozen=True)
+class Quantity:
+    """How pydantic reads a key that is a quantity: in `unit`, from `low` to `high`."""
+
+    unit: str
+    low: float = -math.inf
+    high: float = math.inf
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> core_schema.CoreSchema:
+        """Return the schema that converts to SI, before what else holds for the key."""
+        return core_schema.no_info_before_validator_function(self._read, handler(source))
+
+    def _read(self, value: Any) -> float:
+        return to_si(value, self.unit, self.low, self.high)
 
 
-Length = Annotated[float, quantity("m", -1e4, 1e4)]
-Speed = Annotated[float, quantity("m/s", 0.0, 1e6)]  # meteoroids have up to 72 km/s
-Velocity = Annotated[float, quantity("m/s", -1e6, 1e6)]  # one component
-Angle = Annotated[float, quantity("rad")]
-Time = Annotated[float, quantity("s", -1e4, 1e4)]
-Number = Annotated[float, quantity("")]
-ArealDensity = Annotated[float, quantity("kg/m^2", 0.0, 1e6)]
+Length = Annotated[float, Quantity("m", -1e4, 1e4)]
+Speed = Annotated[float, Quantity("m/s", 0.0, 1e6)]  # meteoroids have up to 72 km/s
+Velocity = Annotated[float, Quantity("m/s", -1e6, 1e6)]  # one component
+Angle = Annotated[float, Quantity("rad")]
+Time = Annotated[float, Quantity("s", -1e4, 1e4)]
+Number = Annotated[float, Quantity("")]
+ArealDensity = Annotated[float, Quantity("kg/m^2", 0.0, 1e6)]

@@ -1,4 +1,4 @@
-"""The command line: run, resume, check, measure, plot, bench, study, converge. Each command has a file."""
+"""The command line. Each command has a file."""
 
 import os
 import sys
@@ -9,7 +9,7 @@ import typer
 
 from .. import __version__
 from ..base.errors import PockmarkError, shown
-from . import bench, check, converge, measure, plot, resume, run, study
+from . import bench, check, converge, demo, explain, materials, measure, new, plot, resume, run, study
 from .common import MAX_PATH
 
 app = typer.Typer(
@@ -20,7 +20,7 @@ app = typer.Typer(
 )
 for command in (
     *(run.run, resume.resume, check.check, measure.measure, plot.plot, bench.bench, study.study),
-    converge.converge,
+    *(converge.converge, materials.materials, explain.explain, new.new, demo.demo),
 ):
     app.command()(command)
 

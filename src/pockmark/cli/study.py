@@ -6,6 +6,8 @@ from typing import Annotated
 import typer
 
 from ..base.errors import PockmarkError, shown
+from ..base.files import told
+from ..base.shipped import shipped
 from ..base.terminal import literal
 from ..study.campaign import FILE, cases, load
 from ..study.runner import make_report, run_study, summary, write_results
@@ -14,7 +16,10 @@ from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse
 
 def study(
     name: Annotated[
-        str, typer.Argument(help=f"A folder with a {FILE}, that file, or the name of a folder in ./studies.")
+        str,
+        typer.Argument(
+            help=f"A folder with a {FILE}, that file, or the name of a folder in ./studies or of those that pockmark has."
+        ),
     ],
     quick: Annotated[bool, typer.Option(help="The coarse, short form.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="A group or figure of the campaign.")] = None,
@@ -25,7 +30,7 @@ def study(
     coarse: Coarse = False,
 ) -> None:
     """Run a campaign: a scene with swept keys. What is there is not run again; what fails stops nothing."""
-    folder = _folder(name)
+    folder, place = _folders(name, output, quick=quick)
     campaign = load(folder)
     wanted = cases(campaign, folder, quick=quick, only=only or [])
     try:
@@ -34,7 +39,9 @@ def study(
         CONSOLE.print("interrupted: what is done is kept, the same command goes on", style="yellow")
         raise typer.Exit(130) from None
     CONSOLE.print(summary(outcomes, campaign.title or name))
-    table = (output if quick else folder) / f"results{'-quick' if quick else ''}.csv"
+    with told(place):
+        place.mkdir(parents=True, exist_ok=True)
+    table = place / f"results{'-quick' if quick else ''}.csv"
     older = write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
     CONSOLE.print(f"wrote {shown(table, MAX_PATH)}")
     if older:
@@ -58,11 +65,24 @@ def study(
         raise typer.Exit(1 if failed else DOUBTFUL)
 
 
-def _folder(name: str) -> Path:
-    """Return the folder of a campaign. Raises PockmarkError for a file that is none."""
+def _folders(name: str, output: Path, *, quick: bool) -> tuple[Path, Path]:
+    """Return the folder of a campaign, and the folder for its table.
+
+    The table lies beside the campaign, but for that of the quick form and of a campaign that came with the package.
+    Raises PockmarkError for what is no campaign.
+    """
     path = Path(name)
     if path.is_file():
         if path.name != FILE:
             raise PockmarkError(f"{path}: is a file, expected a folder with a {FILE}, or that file")
-        return path.parent
-    return next((f for f in (path, Path("studies") / name) if (f / FILE).exists()), path)
+        return path.parent, output if quick else path.parent
+    for folder in (path, Path("studies") / name):
+        if (folder / FILE).exists():
+            return folder, output if quick else folder
+    ours = shipped("studies")
+    if (ours / name / FILE).exists():
+        return ours / name, output / name
+    if path.is_dir():  # load() says what is wrong with what it holds
+        return path, path
+    known = ", ".join(sorted(file.parent.name for file in ours.glob(f"*/{FILE}")))
+    raise PockmarkError(f"{shown(name, 60)}: is no folder with a {FILE}, nor one of pockmark's: {known}")

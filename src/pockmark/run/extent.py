@@ -8,7 +8,8 @@ from typing import Any
 
 from ..base.errors import PockmarkError
 from ..base.files import cut_off, numbered, open_regular, remove, told
-from .store import HISTORY, SNAPSHOT, RunFolder
+from .snapshot import FILE as SNAPSHOT
+from .store import HISTORY, RunFolder
 
 NOTHING: Mapping[str, Any] = {"history": 0, "history_sum": 0, "snapshots": []}  # of a run that has just begun
 
@@ -53,6 +54,7 @@ def cut_back(folder: RunFolder, extent: Mapping[str, Any]) -> None:
     for path, number in numbered(folder.path, SNAPSHOT).items():
         if number not in extent["snapshots"]:
             remove(path)
+    folder.series.write()
 
 
 def _on_disk(path: Path) -> bytes:

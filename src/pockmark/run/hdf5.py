@@ -91,9 +91,12 @@ def opened(path: Path, damaged: str, lead: str = "") -> Iterator[tuple[h5py.File
         os.close(descriptor)
 
 
-def put(group: h5py.Group, name: str, values: NDArray[Any]) -> None:
-    """Write a dataset with the check sum of its bytes."""
-    group.create_dataset(name, data=values).attrs[SUM] = np.uint32(sum_of(values))
+def put(group: h5py.Group, name: str, values: NDArray[Any], unit: str = "") -> None:
+    """Write a dataset with the check sum of its bytes, and with its unit if it has one."""
+    attributes = group.create_dataset(name, data=values).attrs
+    attributes[SUM] = np.uint32(sum_of(values))
+    if unit:
+        attributes["units"] = unit
 
 
 def sum_of(values: NDArray[Any]) -> int:

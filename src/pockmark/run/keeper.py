@@ -11,7 +11,7 @@ from .checkpoint import Checkpoint, ForeignError, read_checkpoint, write_checkpo
 from .extent import extent_of
 from .simulation import Simulation, core_name
 from .store import RunFolder
-from .tasks import KeptTask
+from .task import KeptTask
 
 FILE = re.compile(r"checkpoint-(\d{1,9})\.h5")
 KEPT = 2

@@ -1,5 +1,6 @@
 """The way from a run folder to its measures."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,11 +16,36 @@ from ..scene.scene import Scene
 from ..scene.warnings import lasting_warnings
 from ..view.report import standing
 from .doubts import doubts
-from .pipeline import treatments
+from .pipeline import figures_of, treatments
 from .resolution import resolution_of
 from .setup import setup_of
+from .simulation import Simulation
 from .snapshot import Snapshot
 from .store import UNENDED, RunFolder
+
+
+def measure(run: AnyPath | Simulation) -> dict[str, Any]:
+    """Return crater, energies, figures of the run and counters, SI, of a run folder or of a simulation as it is now.
+
+    The keys are stable, and the same for both. Raises PockmarkError for what is no run folder, or is damaged.
+    """
+    return measure_simulation(run) if isinstance(run, Simulation) else measure_run(run)
+
+
+@UNWARNED
+def measure_simulation(simulation: Simulation) -> dict[str, Any]:
+    """Return the measures of a simulation as it is now.
+
+    Those of a run's history, such as the depth's change in its last tenth, are None: a run folder has them.
+    """
+    scene, counters, ledger = simulation.scene, simulation.counters(), simulation.ledger()
+    snapshot = simulation.snapshot() | {"time": np.array([simulation.time])}
+    status = "finished" if simulation.time >= simulation.end_time else "running"
+    run = figures_of(simulation) | _method(scene)
+    run |= {"status": status, "torn_rows": 0, "end_time": simulation.end_time}
+    table = measures(snapshot, setup_of(scene), ledger, run, counters, {})
+    error = abs(ledger["error"]) / ledger["initial"] if ledger["initial"] else 0.0
+    return _complete(table, scene, doubts(counters, error, simulation.time))
 
 
 @UNWARNED
@@ -31,28 +57,31 @@ def measure_run(path: AnyPath) -> dict[str, Any]:
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
     record = folder.record(scene.grid.cell_count)
-    run = record.run.model_dump() | {
-        "failure_treatment": treatments(scene),
-        "scheme": scene.numerics.scheme,
-        "shape_functions": scene.numerics.shape_functions,
-        "volumetric_strain": scene.numerics.volumetric_strain,
-        "node_velocity": scene.numerics.node_velocity,
-        "precision": scene.numerics.precision,
-        "status": status,
-        "torn_rows": folder.rows().torn,
-        "end_time": scene.end_time,
-    }
+    run = record.run.model_dump() | _method(scene)
+    run |= {"status": status, "torn_rows": folder.rows().torn, "end_time": scene.end_time}
     history = folder.history("error", "initial")
     snapshot = in_the_grid(folder.last_snapshot(), scene)
     table = measures(snapshot, setup_of(scene), record.joules, run, record.counters, history)
     late = [] if status in UNENDED else _late_warning(float(snapshot["time"][0]), record.run.time)
-    table["warnings"] = [*dict.fromkeys(late + table["warnings"] + lasting_warnings(scene))]
+    table["warnings"] = late + table["warnings"]
     said = record.doubts
     if said is None:  # the run did not come to say them
         worst, when = worst_error(history) or (0.0, None)
         said = doubts(record.counters, worst if when is not None else 0.0, when or 0.0)
+    return _complete(table, scene, said)
+
+
+def _method(scene: Scene) -> dict[str, Any]:
+    """Return how a scene is computed, as the table of a run has it."""
+    keys = ("scheme", "shape_functions", "volumetric_strain", "node_velocity", "precision")
+    return {"failure_treatment": treatments(scene)} | {key: getattr(scene.numerics, key) for key in keys}
+
+
+def _complete(table: dict[str, Any], scene: Scene, doubts: Sequence[str]) -> dict[str, Any]:
+    """Return the measures with what the scene adds to them, and with the doubts of the run."""
+    table["warnings"] = [*dict.fromkeys(table["warnings"] + lasting_warnings(scene))]
     table["resolution"] = resolution_of(scene)
-    table["doubts"], table["run"]["doubtful"] = [*said], bool(said)
+    table["doubts"], table["run"]["doubtful"] = [*doubts], bool(doubts)
     return dict(finite(table))
 
 

@@ -17,10 +17,13 @@ from .checkpoint import Checkpoint
 from .extent import NOTHING, cut_back, lacking, require_extent
 from .keeper import Keeper, newest_good
 from .provenance import now
-from .simulation import Simulation, Task, core_name, rounded_time
+from .simulation import Simulation, core_name, rounded_time
 from .stop import heard_between_steps
 from .store import RunFolder
-from .tasks import History, KeptTask, ProgressBar, Snapshots
+from .task import KeptTask, Task, kept, require_tasks
+from .tasks import History, ProgressBar, Snapshots
+
+OWN = 2  # tasks of every run: history and snapshots
 
 
 class Resumed(NamedTuple):
@@ -44,19 +47,22 @@ def run_scene(
     force: bool = False,
     progress: bool = True,
     coarse: bool = False,
+    tasks: Sequence[Task] = (),
 ) -> tuple[RunFolder, bool]:
     """Run a scene into a folder. Return the folder, and whether the run was finished (not interrupted).
 
-    `threads` None takes every core; `force` replaces a run that is there; `progress` shows a bar. Raises
-    PockmarkError, also where fewer than four cells lie across a projectile, unless `coarse` allows it.
+    `threads` None takes every core; `force` replaces a run that is there; `progress` shows a bar. `tasks` act besides
+    those that write the folder; a checkpoint keeps the state of a KeptTask. Raises PockmarkError, also where fewer
+    than four cells lie across a projectile, unless `coarse` allows it.
     """
     require_cells_across(scene, coarse=coarse)
+    require_tasks(tasks)
     with heard_between_steps() as stop_if_asked:
         RunFolder(path).require_free(force=force)  # told before millions of points are made
         simulation = Simulation(scene, threads)
         stop_if_asked()  # before `force` replaces a run
         folder = RunFolder.create(path, scene, force=force)
-        status = _run_into(folder, simulation, stop_if_asked, progress=progress)
+        status = _run_into(folder, simulation, stop_if_asked, tasks, progress=progress)
     return folder, status == "finished"
 
 
@@ -70,19 +76,26 @@ def require_cells_across(scene: Scene, *, coarse: bool) -> None:
 
 
 def resume_run(
-    path: AnyPath, *, end_time: float | None = None, threads: int | None = None, progress: bool = True
+    path: AnyPath,
+    *,
+    end_time: float | None = None,
+    threads: int | None = None,
+    progress: bool = True,
+    tasks: Sequence[Task] = (),
 ) -> Resumed:
     """Go on with a run from its newest good checkpoint, to the last bit as if it had never stopped.
 
-    `end_time` (s) may be a later end. A run that was killed before its first checkpoint begins anew. Raises
-    PockmarkError where there is nothing to go on from, or nowhere to go on to.
+    `end_time` (s) may be a later end. `tasks` are as many as the run had. A run that was killed before its first
+    checkpoint begins anew. Raises PockmarkError where there is nothing to go on from, or nowhere to go on to.
     """
+    require_tasks(tasks)
     with heard_between_steps() as stop_if_asked:
         folder = RunFolder.open(path)
         folder.lock()
         try:
             scene = _to_the_end(folder, end_time)
             begun, damaged = _beginning(folder, scene)
+            _require_tasks(folder, begun, len(tasks))
             told = [*damaged.values(), *_differences(folder, begun)]
             simulation = Simulation(scene, threads, parts=begun.parts if begun else None)
             stop_if_asked()  # before anything is taken off
@@ -92,8 +105,17 @@ def resume_run(
         except BaseException:
             folder.release()
             raise
-        status = _run_into(folder, simulation, stop_if_asked, progress=progress, begun=begun)
+        status = _run_into(folder, simulation, stop_if_asked, tasks, progress=progress, begun=begun)
     return Resumed(folder, status == "finished", begun, told)
+
+
+def _require_tasks(folder: RunFolder, begun: Checkpoint | None, number: int) -> None:
+    """Raise PockmarkError unless a run goes on with as many tasks as it had."""
+    if begun and (had := len(begun.acted) - OWN) != number:
+        raise PockmarkError(
+            f"{folder.path}: was run with tasks of its own, {had} of them, found {number}: go on in Python, with "
+            "resume_run(path, tasks=...)"
+        )
 
 
 def can_resume(path: AnyPath, scene: Scene) -> bool:
@@ -170,6 +192,7 @@ def _run_into(
     folder: RunFolder,
     simulation: Simulation,
     stop_if_asked: Callable[[], None],
+    own: Sequence[Task],
     *,
     progress: bool,
     begun: Checkpoint | None = None,
@@ -180,7 +203,7 @@ def _run_into(
     """
     began, scene = folder.manifest(), simulation.scene
     history = History(folder, scene.output.history)
-    tasks: list[KeptTask] = [history, Snapshots(folder, scene.output.snapshots)]
+    tasks: list[KeptTask] = [history, Snapshots(folder, scene.output.snapshots), *map(kept, own)]
     keeper = Keeper(folder, tasks, scene.output.checkpoints, step=begun.step if begun else -1)
     for task, state in zip(tasks, begun.tasks if begun else (), strict=False):
         task.set_state(state)
@@ -226,24 +249,29 @@ def _write_last(tasks: Sequence[Task], simulation: Simulation) -> None:
 
 def _end(simulation: Simulation, status: str) -> dict[str, Any]:
     """Return the part of a run's manifest that is written at its end."""
-    scene, counters = simulation.scene, simulation.counters()
     return {
         "status": status,
         "ended": now(),
         "threads": simulation.threads,
-        "failure_treatment": treatments(scene),
-        "run": {
-            "points": simulation.points + sum(counters[name] for name in GONE),
-            "cells": scene.grid.cell_count,
-            "steps": simulation.steps,
-            "time": simulation.time,
-            "particle_steps_per_second": simulation.rate,
-            "max_compression": simulation.max_compression,
-        },
+        "failure_treatment": treatments(simulation.scene),
+        "run": figures_of(simulation),
         "ledger": simulation.ledger(),
-        "counters": counters,
+        "counters": simulation.counters(),
         "timers": simulation.timers(),
         "memory_bytes": simulation.memory(),
+    }
+
+
+def figures_of(simulation: Simulation) -> dict[str, Any]:
+    """Return the figures of a simulation: points, cells, steps, time (s), particle-steps a second, rho/rho0."""
+    counters = simulation.counters()
+    return {
+        "points": simulation.points + sum(counters[name] for name in GONE),
+        "cells": simulation.scene.grid.cell_count,
+        "steps": simulation.steps,
+        "time": simulation.time,
+        "particle_steps_per_second": simulation.rate,
+        "max_compression": simulation.max_compression,
     }
 
 

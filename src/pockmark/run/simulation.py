@@ -5,7 +5,7 @@ import numbers
 import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,16 +14,7 @@ from .. import _core
 from ..base.errors import PockmarkError, found
 from ..scene.scene import Scene
 from .points import make_points
-
-
-class Task(Protocol):
-    """An action that happens during a run every `interval` seconds of simulated time."""
-
-    interval: float
-    exact: bool  # whether steps must end exactly at its times, which costs about a step each
-
-    def act(self, simulation: "Simulation") -> None:
-        """Act at time 0, at each multiple of the interval or with the first step beyond, and at the end."""
+from .task import Task, require_tasks
 
 
 class Simulation:
@@ -179,8 +170,9 @@ class Simulation:
         The end, and the times of `exact` tasks, are hit exactly. `end_time` (s) may be another than the scene's.
         `watch` is called every second or so, and must change nothing. `acted` says how often each task has acted
         before, in a run that goes on. KeyboardInterrupt comes through between steps. Raises PockmarkError where the
-        end is no finite time.
+        end is no finite time, and for what is no task.
         """
+        require_tasks(tasks)
         end = self.scene.end_time if end_time is None else end_time
         if not math.isfinite(end):
             raise PockmarkError(f"end_time: {found(end)}, expected a finite time in s")

@@ -1,5 +1,6 @@
 """A snapshot: all fields of all points in a VTKHDF file, written with check sums and read with distrust."""
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,11 +15,13 @@ from ..base.errors import PockmarkError
 from ..metrology.stress import effective_stress
 from .hdf5 import SUM, dataset_in, group_in, opened, put, values_of, written
 
+FILE = re.compile(r"snapshot-(\d{1,9})\.vtkhdf")
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
+UNITS = {str(field["name"]): str(field["unit"]) for field in _core.fields()} | {"body": "1", "id": "1"}
 # The fields of which measures and pictures are made. A file without one of them is no snapshot.
 NEEDED = ("position", "velocity", "mass", "volume", "deviator", "pressure", "body", "time")
 DERIVED = {
-    "deviator": ("effective_stress", effective_stress)
+    "deviator": ("effective_stress", "Pa", effective_stress)
 }  # what follows from a field and is written beside it
 NO_SNAPSHOT = "is not a snapshot of pockmark's"
 HASH = "scene_hash"  # attribute: the hash of the points' scene
@@ -99,7 +102,7 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
     n = len(fields["position"])
     for name, count in (("NumberOfPoints", n), ("NumberOfCells", n), ("NumberOfConnectivityIds", n)):
         root.create_dataset(name, data=np.array([count], dtype=np.int64))
-    put(root, "Points", fields["position"])
+    put(root, "Points", fields["position"], UNITS["position"])
     root.create_dataset("Connectivity", data=np.arange(n, dtype=np.int64), compression=1, shuffle=True)
     root.create_dataset("Offsets", data=np.arange(n + 1, dtype=np.int64), compression=1, shuffle=True)
     root.create_dataset("Types", data=np.full(n, 1, dtype=np.uint8), compression=1, shuffle=True)
@@ -108,13 +111,13 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
         if name == "position":
             continue
         values = fields[name]  # asked for once: a simulation copies a field each time
-        put(data, name, values)
+        put(data, name, values, UNITS[name])
         if name in DERIVED:
-            derived, compute = DERIVED[name]
-            put(data, derived, compute(values))
+            derived, unit, compute = DERIVED[name]
+            put(data, derived, compute(values), unit)
     extra = root.create_group("FieldData")
-    put(extra, "time", np.array([time_s]))
-    put(extra, "step", np.array([step], dtype=np.int64))
+    put(extra, "time", np.array([time_s]), "s")
+    put(extra, "step", np.array([step], dtype=np.int64), "1")
 
 
 def _hash(root: h5py.Group) -> str | None:

@@ -1,7 +1,6 @@
 """The run folder: scene.toml, manifest.json, history.csv and snapshot-NNNN.vtkhdf files that ParaView opens."""
 
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,11 +13,14 @@ from ..base.errors import PockmarkError
 from ..base.files import AnyPath, as_path, numbered, read_text, remove, told, write_text
 from ..base.json import to_json
 from ..base.toml import parse_toml
-from ..scene.scene import Scene, hash_of
+from ..scene.identity import hash_of
+from ..scene.scene import Scene
 from .history import Rows, append_row, read_rows
 from .lock import LOCK, Lock, holder
 from .manifest import Measured, parse_manifest, row_as_record, validated
 from .provenance import commit, machine, now
+from .series import SERIES, Series
+from .snapshot import FILE as SNAPSHOT
 from .snapshot import Snapshot, write_snapshot
 
 MANIFEST = "manifest.json"
@@ -28,12 +30,12 @@ OWN_FILES = (
     "scene.toml",
     HISTORY,
     "snapshot-*.vtkhdf",
+    SERIES,
     "checkpoint-*.h5",
     "crater.png",
     "history.png",
     MANIFEST,
 )
-SNAPSHOT = re.compile(r"snapshot-(\d{1,9})\.vtkhdf")
 UNENDED = ("running", "killed")
 
 
@@ -44,6 +46,7 @@ class RunFolder:
         """Wrap a path; nothing is touched. Raises PockmarkError for what cannot be a path."""
         self.path = as_path(path)
         self._lock: Lock | None = None
+        self.series = Series(self.path)
 
     def __fspath__(self) -> str:
         """Return the path: a run folder may be given where a path is asked for."""
@@ -208,10 +211,11 @@ class RunFolder:
         return list(numbered(self.path, SNAPSHOT))
 
     def write_snapshot(self, fields: Mapping[str, NDArray[Any]], time_s: float, step: int) -> Path:
-        """Write all fields of all points as the next snapshot, and return its file."""
+        """Write all fields of all points as the next snapshot, and into the series. Return its file."""
         number = 1 + max(numbered(self.path, SNAPSHOT).values(), default=-1)
         path = self.path / f"snapshot-{number:04d}.vtkhdf"
         write_snapshot(path, fields, time_s, step, str(self.manifest()["scene_hash"]))
+        self.series.note(path, time_s)
         return path
 
     def last_snapshot(self) -> Snapshot:

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any
 
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
@@ -10,18 +10,8 @@ from ..base.ledger import LEDGER
 from ..base.lengths import in_metres
 from .doubts import Doubts
 from .live import live_depth
-from .simulation import LiveFields, Simulation, Task
+from .simulation import LiveFields, Simulation
 from .store import RunFolder
-
-
-class KeptTask(Task, Protocol):
-    """A task with a state that a checkpoint keeps, such as JSON can hold."""
-
-    def state(self) -> dict[str, Any]:
-        """Return what the task needs to go on."""
-
-    def set_state(self, state: Mapping[str, Any]) -> None:
-        """Take up a state, to go on from there."""
 
 
 class History:

@@ -5,13 +5,15 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ..base.geometry import ENOUGH_CELLS_ACROSS
 from ..base.units import Length
 from .bodies import Vector, require_size
-from .model import Model
+from .model import Hint, Model
 
 Geometry = Literal["3d", "axisymmetric"]
 FaceKind = Literal["free", "symmetry", "fixed", "transmitting"]
 FACES = ("x_lower", "x_upper", "y_lower", "y_upper", "z_lower", "z_upper")
+INNER = '"symmetry" where a plane of symmetry halves the impact, else "transmitting"'
 MAX_NODES = 2**32 - 2  # what the core can number
 
 
@@ -21,10 +23,20 @@ class Grid(Model):
     That of an axisymmetric scene is a slice one cell thick (axisymmetry.py).
     """
 
-    geometry: Geometry = "3d"
-    lower: Vector
-    upper: Vector
-    cell: Annotated[Length, Field(gt=0)]
+    geometry: Annotated[Geometry, Hint('"axisymmetric" for a normal impact of one ball')] = "3d"
+    """Whether points fill a box, or are rings about the axis x = y = 0 (a normal impact alone)."""
+    lower: Annotated[
+        Vector, Hint("two projectile diameters from the projectile, and the crater at most half of the grid")
+    ]
+    """Lower corner (x, y, z). z points out of the target, whose surface is z = 0."""
+    upper: Annotated[Vector, Hint("along z a projectile diameter above it; else as `lower`")]
+    """Upper corner (x, y, z), rounded up to whole cells."""
+    cell: Annotated[
+        Length,
+        Field(gt=0),
+        Hint(f"{ENOUGH_CELLS_ACROSS} or more across the projectile; fewer than 4 run with --coarse only"),
+    ]
+    """Width of a cell, which is a cube."""
 
     @property
     def is_axisymmetric(self) -> bool:
@@ -68,14 +80,26 @@ class Grid(Model):
 
 
 class Boundary(Model):
-    """The kinds of the grid's faces."""
+    """The kinds of the grid's faces.
 
-    x_lower: FaceKind = "transmitting"
-    x_upper: FaceKind = "transmitting"
-    y_lower: FaceKind = "symmetry"
-    y_upper: FaceKind = "transmitting"
-    z_lower: FaceKind = "transmitting"
-    z_upper: FaceKind = "free"
+    Points leave through a free face, are mirrored at one of symmetry, cannot move at a fixed one; waves leave through
+    a transmitting one.
+    """
+
+    x_lower: Annotated[FaceKind, Hint(INNER)] = "transmitting"
+    """Kind of the face at the lower x."""
+    x_upper: Annotated[FaceKind, Hint(INNER)] = "transmitting"
+    """Kind of the face at the upper x."""
+    y_lower: Annotated[FaceKind, Hint(INNER)] = "symmetry"
+    """Kind of the face at the lower y."""
+    y_upper: Annotated[FaceKind, Hint(INNER)] = "transmitting"
+    """Kind of the face at the upper y."""
+    z_lower: Annotated[FaceKind, Hint('"transmitting" in a thick target, "free" behind a plate')] = (
+        "transmitting"
+    )
+    """Kind of the face at the lower z, under the target."""
+    z_upper: Annotated[FaceKind, Hint('"free": ejecta leave, and are counted')] = "free"
+    """Kind of the face at the upper z, above the target."""
 
     @property
     def faces(self) -> tuple[FaceKind, ...]:

@@ -6,7 +6,7 @@ from typing import Annotated
 from pydantic import Field, field_validator
 
 from ..base.units import Angle, Speed
-from .model import Model
+from .model import Hint, Model
 
 
 class Impact(Model):
@@ -16,9 +16,14 @@ class Impact(Model):
     leads: about z, from +x towards +y.
     """
 
-    speed: Annotated[Speed, Field(ge=0)]
-    angle: Angle = 0.0
-    azimuth: Angle = 0.0
+    speed: Annotated[Speed, Field(ge=0), Hint("up to the `max_speed` of the materials")]
+    """Speed of the projectiles."""
+    angle: Annotated[Angle, Hint(allowed="more than -90 deg, less than 90 deg")] = 0.0
+    """Angle between the velocity and the normal of the surface; 0 is head-on."""
+    azimuth: Annotated[Angle, Hint("0 deg or 180 deg in a half model about y = 0", "-360 deg to 360 deg")] = (
+        0.0
+    )
+    """Where a positive angle leads to along the surface: about z, from +x towards +y."""
 
     @field_validator("angle")
     @classmethod

@@ -10,18 +10,20 @@ from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationInfo, create_model, field_validator
+from pydantic import Field, ValidationError, ValidationInfo, create_model, field_validator
 from scipy.optimize import brentq
 
 from .. import _core
-from ..base.errors import PockmarkError, found
-from ..base.units import quantity
-from .model import Model
+from ..base.errors import PockmarkError, found, shown
+from ..base.units import Quantity
+from .model import Hint, Model
+from .overrides import changed, merge
+from .sentences import sentence
 
 # Every constant has a range: wide enough for aerogel, gels, foams, ice and osmium, and far too narrow for a slip of the
 # exponent or a forgotten unit. Those of the laws are declared in their own files, core/eos, core/strength and core/failure.
-Temperature = Annotated[float, quantity("K", 1.0, 1e5)]
-ViscosityFactor = Annotated[float, quantity("", 0.0, 20.0)]
+Temperature = Annotated[float, Quantity("K", 1.0, 1e5)]
+ViscosityFactor = Annotated[float, Quantity("", 0.0, 20.0)]
 LAWS: dict[str, list[dict[str, Any]]] = _core.laws()  # what each law declares, by kind
 
 
@@ -29,21 +31,23 @@ class Law(Model):
     """A law of a material: its `model`, and the constants that the core declares for it."""
 
     model: str
+    """Name of the law."""
 
 
 def _table_of(law: Mapping[str, Any]) -> type[Law]:
     """Return the table that a scene gives a law, made from what the law declares."""
-    fields: dict[str, Any] = {"model": Literal[law["name"]]}
+    fields: dict[str, Any] = {"model": Annotated[Literal[law["name"]], Field(description="Name of the law.")]}
     validators: dict[str, Any] = {}
     for constant in law["constants"]:
         name, default = constant["name"], constant["default"]
         if constant["choices"]:
             kind: Any = Literal[tuple(constant["choices"])]
         else:
-            kind = Annotated[float, quantity(constant["unit"], constant["least"], constant["most"])]
-        if constant["above"]:
-            kind = Annotated[kind, Field(validate_default=True)]
-            validators[f"{name}_is_above"] = field_validator(name)(_above(name, constant["above"]))
+            kind = Annotated[float, Quantity(constant["unit"], constant["least"], constant["most"])]
+        if above := constant["above"]:
+            kind = Annotated[kind, Field(validate_default=True), Hint(allowed=f"more than {above}")]
+            validators[f"{name}_is_above"] = field_validator(name)(_above(name, above))
+        kind = Annotated[kind, Field(description=f"{constant['doc'][0].upper()}{constant['doc'][1:]}.")]
         fields[name] = kind if default is None else (kind, default)
     return create_model(
         f"{law['name']} law", __base__=Law, __doc__=law["doc"], __validators__=validators, **fields
@@ -77,10 +81,14 @@ else:
 class Thermal(Model):
     """The heat from plastic work, and melting."""
 
-    specific_heat: Annotated[float, quantity("J/(kg*K)", 1.0, 1e5)]
+    specific_heat: Annotated[float, Quantity("J/(kg*K)", 1.0, 1e5)]
+    """Specific heat."""
     room_temperature: Temperature = 293.0
-    melt_temperature: Temperature
-    taylor_quinney: Annotated[float, quantity("", 0.0, 1.0)] = 1.0
+    """Temperature at the start."""
+    melt_temperature: Annotated[Temperature, Hint(allowed="more than room_temperature")]
+    """Temperature at which strength is gone."""
+    taylor_quinney: Annotated[float, Quantity("", 0.0, 1.0)] = 1.0
+    """Share of the plastic work that becomes heat."""
 
     @field_validator("melt_temperature")
     @classmethod
@@ -94,21 +102,26 @@ class Viscosity(Model):
     """The bulk viscosity in compression: q = rho l (quadratic l D^2 + linear c |D|)."""
 
     quadratic: ViscosityFactor = 1.5
+    """Factor of the quadratic part, which spreads a shock over cells."""
     linear: ViscosityFactor = 0.06
+    """Factor of the linear part, which damps what rings behind it."""
 
 
 class Material(Model):
     """A material, SI inside."""
 
     source: str
-    density: Annotated[float, quantity("kg/m^3", 10.0, 3e4)]
+    """Where each constant was read."""
+    density: Annotated[float, Quantity("kg/m^3", 10.0, 3e4)]
+    """Density at rest."""
     eos: Eos
     strength: Strength
     failure: Failure
     thermal: Thermal
     viscosity: Viscosity = Viscosity()
-    # Up to this speed of impact on itself its laws are meant. The material behind the shock moves at half of it.
-    max_speed: Annotated[float, quantity("m/s", 1.0, 1e6)] | None = None
+    # The material behind the shock moves at half of it.
+    max_speed: Annotated[float, Quantity("m/s", 1.0, 1e6)] | None = None
+    """Speed of impact on itself up to which its laws are meant."""
 
     @field_validator("failure", mode="before")
     @classmethod
@@ -135,6 +148,13 @@ class Material(Model):
         elif not (why := _core.failure_fault(failure.model_dump())):
             return failure
         raise ValueError(f"model '{failure.model}' {why}; write failure.model = \"none\"")
+
+    def with_(self, key: str, value: Any) -> "Material":
+        """Return the material with another value of a key, such as "strength.A". Raises PockmarkError."""
+        try:
+            return Material.model_validate(changed(self.model_dump(exclude_none=True), key, value))
+        except ValidationError as error:
+            raise PockmarkError(f"material: {sentence(error, Material)}") from None
 
     def to_core(self) -> _core.Material:
         """Return the core's material."""
@@ -212,18 +232,11 @@ def library() -> dict[str, dict[str, Any]]:
     return tomllib.loads(files("pockmark.scene").joinpath("materials.toml").read_text(encoding="utf-8"))
 
 
-def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    """Return `base` with `changes` put over it, table by table.
-
-    A table that names another `model` replaces the old one as a whole.
-    """
-    if changes.get("model", base.get("model")) != base.get("model"):
-        return dict(changes)
-    out = dict(base)
-    for key, value in changes.items():
-        old = out.get(key)
-        out[key] = merge(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
-    return out
+def material(name: str) -> Material:
+    """Return a material of the library. Raises PockmarkError for a name that is not there."""
+    if name not in library():
+        raise PockmarkError(f"{shown(name, 60)}: is no material of the library, nearest are {_nearest(name)}")
+    return Material.model_validate(library()[name])
 
 
 def complete(name: str, written: Any, user: str = "") -> Any:

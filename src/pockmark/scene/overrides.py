@@ -5,16 +5,29 @@ Such are "impact.speed='4 km/s'", "body.projectile.radius='5 um'", "body.'a.b'.r
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..base.errors import PockmarkError
+from ..base.errors import PockmarkError, shown
 from ..base.toml import written_key
-from .materials import merge
 
 MAX_DEPTH = 20  # keys joined by dots; a scene has 5 at most
 # A key and what ends it: quoted as in TOML, or as it is, blanks within included.
 _KEY = re.compile(r"""\s*+("(?:[^"\\]|\\.)*"|'[^']*'|[^.="'][^.=]*+)\s*([.=])""")
+
+
+def merge(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return `base` with `changes` put over it, table by table.
+
+    A table that names another `model` replaces the old one as a whole.
+    """
+    if changes.get("model", base.get("model")) != base.get("model"):
+        return dict(changes)
+    out = dict(base)
+    for key, value in changes.items():
+        old = out.get(key)
+        out[key] = merge(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
+    return out
 
 
 def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
@@ -22,15 +35,30 @@ def override(table: Mapping[str, Any], text: str) -> dict[str, Any]:
 
     A body is named by its name, or by its place counted from 0.
     """
-    change = _parse(text)
-    bodies, changes = table.get("body"), change.get("body")
+    keys, rest = _keys(text)
+    return _with(table, keys, _value(rest))
+
+
+def changed(table: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
+    """Return the table with another value of a key, which is named as in override(). Raises PockmarkError."""
+    keys, rest = _keys(f"{key}=")
+    if rest:
+        raise PockmarkError(f"{shown(key)}: expected a key")
+    return _with(table, keys, value)
+
+
+def _with(table: Mapping[str, Any], keys: Sequence[str], value: Any) -> dict[str, Any]:
+    """Return the table with a value at the place that the keys lead to."""
+    for key in reversed(keys):
+        value = {key: value}
+    bodies, changes = table.get("body"), value.get("body")
     if isinstance(bodies, list) and isinstance(changes, Mapping):
-        change["body"] = _changed(bodies, changes)
-    return merge(table, change)
+        value["body"] = _changed(bodies, changes)
+    return merge(table, value)
 
 
-def _parse(text: str) -> dict[str, Any]:
-    """Return "a.b=value" as nested tables. The value is TOML, or else a plain text."""
+def _keys(text: str) -> tuple[list[str], str]:
+    """Return the keys at the start of "a.b=value", and what follows. Raises PockmarkError."""
     keys: list[str] = []
     end, at = ".", 0
     while end == "." and (match := _KEY.match(text, at)) and len(keys) < MAX_DEPTH:
@@ -38,10 +66,7 @@ def _parse(text: str) -> dict[str, Any]:
         end, at = match[2], match.end()
     if end != "=":
         raise _is_no_change(text)
-    out = _value(text[at:])
-    for key in reversed(keys):
-        out = {key: out}
-    return dict(out)
+    return keys, text[at:]
 
 
 def _unquoted(key: str, text: str) -> str:

@@ -1,10 +1,8 @@
 """The scene: everything that a user decides about a run, SI inside. The defaults of pockmark are here."""
 
-import hashlib
-import json
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, TypeGuard
+from typing import Annotated, Any, overload
 
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
@@ -14,15 +12,16 @@ from ..base.errors import PockmarkError, found, together
 from ..base.files import AnyPath, as_path
 from ..base.geometry import Mirror
 from ..base.toml import read_toml, to_toml
-from ..base.units import quantity
+from ..base.units import Quantity
 from .axisymmetry import obstacles, slice_of
 from .bodies import Array, Body, Solid
 from .grid import Boundary, Grid
+from .identity import hash_of
 from .impact import Impact
-from .materials import Material, complete
-from .model import Model
+from .materials import Material, complete, library, material
+from .model import Hint, Model
 from .numerics import Contact, Numerics, Output
-from .overrides import override
+from .overrides import changed, override
 from .rules import broken_rules
 from .sentences import faults
 
@@ -34,11 +33,15 @@ class Scene(Model):
     """
 
     title: str = ""
-    end_time: Annotated[float, quantity("s", 1e-18, 1e4)]
+    """Name of the run, for a reader."""
+    end_time: Annotated[
+        float, Quantity("s", 1e-18, 1e4), Hint("when the crater has settled: `pockmark check` says when")
+    ]
+    """Simulated time at which the run ends."""
     grid: Grid
     boundary: Boundary = Boundary()
     impact: Impact
-    materials: dict[str, Material]
+    materials: dict[str, Material] = Field(default_factory=dict)
     # After the materials, for a swarm's flux needs their density.
     body: Annotated[tuple[Body, ...], Field(min_length=1)]
     contact: Contact | None = None
@@ -74,6 +77,22 @@ class Scene(Model):
             raise PockmarkError(f"{source}: {together(told)}")
         return scene
 
+    @model_validator(mode="before")
+    @classmethod
+    def _know_the_library(cls, table: Any) -> Any:
+        """Return the table with the library's materials that its bodies name and it does not have."""
+        if not isinstance(table, Mapping):
+            return table
+        known, bodies = table.get("materials", {}), table.get("body")
+        if not isinstance(known, Mapping) or not isinstance(bodies, list | tuple):
+            return table
+        named = [
+            body.get("material") if isinstance(body, Mapping) else getattr(body, "material", None)
+            for body in bodies
+        ]
+        missing = {name: library()[name] for name in named if isinstance(name, str) and name in library()}
+        return {**table, "materials": missing | {**known}}
+
     @field_validator("body", mode="before")
     @classmethod
     def _is_a_list(cls, bodies: Any) -> Any:
@@ -108,6 +127,25 @@ class Scene(Model):
         if told := broken_rules(scene):
             raise ValueError(together(told))
         return scene
+
+    @overload
+    def with_(self, changes: str, value: Any) -> "Scene": ...
+
+    @overload
+    def with_(self, changes: Mapping[str, Any]) -> "Scene": ...
+
+    def with_(self, changes: str | Mapping[str, Any], value: Any = None) -> "Scene":
+        """Return the scene with another value of a key, such as "impact.speed", "3 km/s". Raises PockmarkError.
+
+        Keys are named as --set names them. Several at once are given as a mapping of keys to values. What followed from
+        what was written, such as a radius from a flux, follows anew.
+        """
+        table = self.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+        ours = [name for name, own in self.materials.items() if name in library() and own == material(name)]
+        table["materials"] = {name: own for name, own in table["materials"].items() if name not in ours}
+        for key, new in ({changes: value} if isinstance(changes, str) else changes).items():
+            table = changed(table, key, new)
+        return Scene.from_dict(table)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the scene as plain tables, SI numbers. from_dict() makes the same scene of them."""
@@ -221,47 +259,6 @@ def _plain(table: Mapping[str, Any], source: str) -> dict[str, Any]:
         return dict(plain(table))
     except RecursionError:
         raise PockmarkError(f"{source}: has tables in tables without an end") from None
-
-
-def hash_of(table: Mapping[str, Any], *, titled: bool = False) -> str:
-    """Return the hash of a scene's table, 16 hexadecimal digits.
-
-    The title is a part of it only if `titled`. The interval of the checkpoints never is, nor is a key that says what
-    was done before it was there.
-    """
-    hashed = {key: value for key, value in table.items() if titled or key != "title"}
-    if isinstance(output := hashed.get("output"), Mapping):  # checkpoints change nothing that is computed
-        hashed["output"] = {key: value for key, value in output.items() if key != "checkpoints"}
-    if _has_no_filter(numerics := hashed.get("numerics")):
-        hashed["numerics"] = {key: value for key, value in numerics.items() if key != "filter"}
-    before = {
-        "numerics": (
-            ("volumetric_strain", "points"),
-            ("node_velocity", "mean"),
-        ),
-        "grid": (("geometry", "3d"),),
-    }
-    for name, known in before.items():
-        hashed = _without(hashed, (name,), known)
-    for name in hashed.get("materials", ()):
-        hashed = _without(hashed, ("materials", name, "failure"), (("displacement", 0.0),))
-    return hashlib.sha256(json.dumps(hashed, sort_keys=True, default=str).encode()).hexdigest()[:16]
-
-
-def _has_no_filter(numerics: Any) -> TypeGuard[Mapping[str, Any]]:
-    """Return whether a table of numerics asks for no filter: then nothing depends on its other keys."""
-    table = numerics.get("filter") if isinstance(numerics, Mapping) else None
-    return isinstance(table, Mapping) and table.get("interval") == 0
-
-
-def _without(
-    table: Mapping[str, Any], path: Sequence[str], known: Sequence[tuple[str, Any]]
-) -> dict[str, Any]:
-    """Return a table in which the table at a path, if there is one, has no key with one of the known values."""
-    if not path:
-        return {key: value for key, value in table.items() if (key, value) not in known}
-    part = table.get(path[0])
-    return {**table, path[0]: _without(part, path[1:], known)} if isinstance(part, Mapping) else dict(table)
 
 
 def _complete_materials(table: dict[str, Any]) -> list[str]:

@@ -55,7 +55,7 @@ def _sentence(fault: ErrorDetails, model: type[BaseModel], meant: str) -> str:
 def _which_kind(key: str, fault: ErrorDetails, model: type[BaseModel]) -> str:
     """Return the sentence of a table that does not say which of its kinds it is."""
     *_, last = _walk(fault["loc"], model)
-    selector, kinds = _kinds(last)
+    selector, kinds = kinds_of(last)
     what = "is missing" if selector not in fault["input"] else found(fault["input"][selector])
     return f"{key}.{selector}: {what}, allowed are {', '.join(map(repr, kinds))}"
 
@@ -66,7 +66,7 @@ def _key(location: Location, model: type[BaseModel]) -> str:
     for part, annotation in zip(location, _walk(location, model), strict=False):
         if isinstance(part, int):
             out += f"[{part}]"
-        elif part not in _kinds(annotation)[1]:  # the kind that pydantic took the table for is no key
+        elif part not in kinds_of(annotation)[1]:  # the kind that pydantic took the table for is no key
             out += f".{part}" if out else part
     return out
 
@@ -85,8 +85,8 @@ def _walk(location: Location, model: type[BaseModel]) -> Iterator[Any]:
 
 def _next(expected: Any, part: int | str) -> Any:
     """Return what is expected at a part of what is expected here; None if that is not known."""
-    if part in (kinds := _kinds(expected)[1]):
-        return _members(expected)[kinds.index(str(part))]
+    if part in (kinds := kinds_of(expected)[1]):
+        return members_of(expected)[kinds.index(str(part))]
     if isinstance(expected, type) and issubclass(expected, Model):
         key = expected.model_fields.get(str(part))
         return None if key is None else Annotated[key.annotation, key]
@@ -98,7 +98,7 @@ def _next(expected: Any, part: int | str) -> Any:
     return arguments[-1] if arguments else None  # the items of a list or tuple, the values of a dict
 
 
-def _kinds(expected: Any) -> tuple[str, list[str]]:
+def kinds_of(expected: Any) -> tuple[str, list[str]]:
     """Return the key that says which of its kinds a table is, and the kinds.
 
     Such are ("shape", ["block", "sphere", ...]). Without kinds they are empty.
@@ -106,12 +106,12 @@ def _kinds(expected: Any) -> tuple[str, list[str]]:
     notes = get_args(expected)[1:] if get_origin(expected) is Annotated else ()
     for selector in (n.discriminator for n in notes if isinstance(n, FieldInfo)):
         if isinstance(selector, str):
-            tags = [get_args(member.model_fields[selector].annotation)[0] for member in _members(expected)]
+            tags = [get_args(member.model_fields[selector].annotation)[0] for member in members_of(expected)]
             return selector, tags
     return "", []
 
 
-def _members(expected: Any) -> tuple[Any, ...]:
+def members_of(expected: Any) -> tuple[Any, ...]:
     """Return the tables from which an annotated union chooses."""
     return get_args(get_args(expected)[0])
 

@@ -196,7 +196,7 @@ def _face_warnings(projectile: Solid, scene: Scene) -> list[str]:
     return [
         f"{in_metres(gap, 3)} from the face {face}, less than two diameters; the crater may feel it"
         for face, gap in gaps.items()
-        if gap < 2 * diameter
+        if gap < 2 * diameter * (1 - 1e-9)
     ]
 
 

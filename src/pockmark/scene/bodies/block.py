@@ -14,9 +14,12 @@ from .shape import EVERYWHERE, NOISE, Array, Box, Fit, Solid, Vector, require_si
 class Block(Solid):
     """A brick of material between two corners."""
 
-    shape: Literal["block"]
+    shape: Literal["block"] = "block"
+    """Kind of the body."""
     lower: Vector
+    """Lower corner (x, y, z)."""
     upper: Vector
+    """Upper corner (x, y, z)."""
 
     @model_validator(mode="after")
     def _has_size(self) -> Self:

@@ -9,6 +9,7 @@ from pydantic import Field, model_validator
 
 from ...base.geometry import Mirror
 from ...base.units import Length
+from ..model import Hint
 from .lattice import half_integers
 from .shape import EVERYWHERE, NOISE, NOT_ROUND, Array, Box, Fit, Solid, Vector
 
@@ -23,13 +24,20 @@ class Cylinder(Solid):
     points share its volume, as a ball's do.
     """
 
-    shape: Literal["cylinder"]
+    shape: Literal["cylinder"] = "cylinder"
+    """Kind of the body."""
     axis: Literal["x", "y", "z"] = "z"
-    center: tuple[Length, ...]
-    gap: Annotated[Length, Field(ge=0)] | None = None
+    """Axis of the grid along which it lies."""
+    center: Annotated[tuple[Length, ...], Hint(allowed="[x, y, z], or [x, y] with a gap")]
+    """Centre."""
+    gap: Annotated[Length, Field(ge=0), Hint("0 m: no time is lost in flight")] | None = None
+    """Clear height between the cylinder and z = 0."""
     radius: Annotated[Length, Field(gt=0)]
-    inner_radius: Annotated[Length, Field(ge=0)] = 0.0
+    """Radius."""
+    inner_radius: Annotated[Length, Field(ge=0), Hint(allowed="a spacing less than radius, or 0")] = 0.0
+    """Radius of the hole of a tube; 0 for a rod."""
     length: Annotated[Length, Field(gt=0)]
+    """Length along its axis."""
 
     @model_validator(mode="after")
     def _has_a_height_and_a_wall(self) -> Self:

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationInfo, field_validator
 
 from ...base.geometry import Mirror
 from ...base.units import Length, Velocity
-from ..model import Model
+from ..model import Hint, Model
 
 Array = NDArray[np.floating]
 Vector = tuple[Length, Length, Length]
@@ -56,11 +56,21 @@ class Solid(Model):
     """
 
     name: str
+    """Name of the body; no two have the same."""
     material: str
-    spacing: Annotated[Length, Field(gt=0)]
+    """Name of its material, in the scene or in the library."""
+    spacing: Annotated[Length, Field(gt=0), Hint("half a cell in the target, a quarter in the projectile")]
+    """Distance of its points; they lie a little closer where it does not divide the body's size."""
     projectile: Annotated[bool, Field(strict=True)] = False
-    rounded: Annotated[bool, Field(strict=True)] = False
-    velocity: tuple[Velocity, Velocity, Velocity] | None = None  # its own at the start; None for a projectile
+    """Whether it moves as [impact] says."""
+    rounded: Annotated[bool, Field(strict=True), Hint("false")] = False
+    """Whether its points lie exactly `spacing` apart, in a size rounded to that, as in the paper."""
+    velocity: tuple[Velocity, Velocity, Velocity] | None = None
+    """Velocity (x, y, z) at the start of a body that is no projectile."""
+
+    def model_post_init(self, context: Any) -> None:
+        """Count the shape as written, though a body that is made in Python has it by default."""
+        self.model_fields_set.add("shape")
 
     @field_validator("velocity")
     @classmethod

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from ...base.units import Length
+from ..model import Hint
 from .balls import Balls
 from .shape import NOISE, NOT_ROUND, Fit, Vector
 
@@ -15,10 +16,14 @@ class Sphere(Balls):
     `center` has three coordinates, or x and y with a `gap` between the ball and z = 0.
     """
 
-    shape: Literal["sphere"]
-    center: tuple[Length, ...]
-    gap: Annotated[Length, Field(ge=0)] | None = None
+    shape: Literal["sphere"] = "sphere"
+    """Kind of the body."""
+    center: Annotated[tuple[Length, ...], Hint(allowed="[x, y, z], or [x, y] with a gap")]
+    """Centre."""
+    gap: Annotated[Length, Field(ge=0), Hint("0 m: no time is lost in flight")] | None = None
+    """Clear height between the ball and z = 0."""
     radius: Annotated[Length, Field(gt=0)]
+    """Radius, of which the ball has the mass."""
 
     @model_validator(mode="after")
     def _has_one_height(self) -> Self:

@@ -23,16 +23,26 @@ class Swarm(Balls):
     number of balls.
     """
 
-    shape: Literal["swarm"]
+    shape: Literal["swarm"] = "swarm"
+    """Kind of the body."""
     lower: tuple[Length, Length]
+    """Lower corner (x, y) of the patch."""
     upper: tuple[Length, Length]
+    """Upper corner (x, y) of the patch."""
     height: Length | None = None
+    """Height of the centres; this or gap."""
     gap: Annotated[Length, Field(ge=0)] | None = None
+    """Clear height between the balls and z = 0; this or height."""
     pitch: Annotated[Length, Field(gt=0)] | None = None
+    """Distance of neighbours on a lattice; this or seed."""
     seed: Annotated[int, Field(strict=True, ge=0, le=MAX_SEED)] | None = None
+    """Seed of random places; this or pitch."""
     flux: Annotated[ArealDensity, Field(gt=0)] | None = None
+    """Mass of the swarm over the area of the patch: gives the radius on a lattice, else the number."""
     radius: Annotated[Length, Field(gt=0)] | None = None
+    """Radius of each ball."""
     number: Annotated[int, Field(strict=True, gt=0, le=MAX_BALLS)] | None = None
+    """Number of balls at random places."""
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
@@ -78,7 +88,10 @@ class Swarm(Balls):
         given = getattr(self, key)
         if given is not None and not math.isclose(given, value, rel_tol=1e-9):
             raise ValueError(f"flux makes the {key} {value:.6g}, found {given:.6g}: give one of the two")
-        return self.model_copy(update={key: value})
+        swarm = self.model_copy(update={key: value})
+        if given is None:
+            swarm.model_fields_set.discard(key)  # it was not written: Scene.with_() lets it follow anew
+        return swarm
 
     @cached_property
     def centers(self) -> tuple[Vector, ...]:
