@@ -43,10 +43,14 @@ PM_HD void hoop_weights(const GridGeometry<T>& grid, const Bundle& bundle, const
   }
 }
 
-// Returns v_r/r at a place in a bundle's stencil, of v per cell.
+// Returns v_r/r at a place in a bundle's stencil, of v per cell times `scale`. It loads its own patch: one
+// that a pass has at hand would have to be in memory for it, in grids without rings too.
 template <class Shape, class T, class V>
-PM_HD V hoop_rate(const GridGeometry<T>& grid, const Bundle& bundle, const Patch<Shape, T>& v,
-                  const Vec3<V>& f) {
+PM_NOINLINE V hoop_rate(const GridGeometry<T>& grid, const Bundle& bundle, Velocity<T> velocity, T scale,
+                        const Vec3<V>& f) {
+  Patch<Shape, T> v;
+  v.load(grid, bundle, velocity);
+  v.scale(scale);
   const Stencil<Shape, V> n(f, T(1));
   V along_r[Shape::support], sum = V(T(0));
   hoop_weights<Shape>(grid, bundle, n, f.x, T(1), along_r);

@@ -36,11 +36,13 @@ struct Patch {
   }
 };
 
-// A nodal vector quantity as a function of the place within one stencil, whose patch must outlive it.
+// A nodal vector quantity as a function of the place within one stencil. Its patch must outlive it, and is
+// scaled with it.
 template <class Shape, class T>
 class Interpolant {
  public:
-  PM_HD explicit Interpolant(const Patch<Shape, T>& patch) : nodes_(patch) {}
+  PM_HD explicit Interpolant(Patch<Shape, T>& patch) : nodes_(patch) {}
+  PM_HD void scale(T factor) { nodes_.scale(factor); }
 
   template <class V>
   PM_HD Vec3<V> value(const Vec3<V>& f) const {
@@ -82,7 +84,7 @@ class Interpolant {
   }
 
  private:
-  const Patch<Shape, T>& nodes_;
+  Patch<Shape, T>& nodes_;
 };
 
 // Trilinear: the polynomial 1, x, y, z, xy, yz, zx, xyz in the cell's own coordinates, 0 to 1.
@@ -104,22 +106,28 @@ class Interpolant<Linear<T>, T> {
     zx_.v = x2 - x0;
     xyz_.v = (x3 - x2) - (x1 - x0);
   }
+  // Scales the differences of the nodes: where these move alike they are 0, and stay so.
+  PM_HD void scale(T factor) {
+    for (auto* part : {&one_, &x_, &y_, &z_, &xy_, &yz_, &zx_, &xyz_}) part->v = factor * part->v;
+  }
 
   template <class V>
   PM_HD Vec3<V> value(const Vec3<V>& f) const {
+    const auto& [one, x, y, z, xy, yz, zx, xyz] = anew<V>(*this);
     Vec3<V> out;
     for (int c = 0; c < 3; ++c)
-      out[c] = (one_.v[c] + f.z * z_.v[c]) + f.y * (y_.v[c] + f.z * yz_.v[c]) +
-               f.x * ((x_.v[c] + f.z * zx_.v[c]) + f.y * (xy_.v[c] + f.z * xyz_.v[c]));
+      out[c] = (one.v[c] + f.z * z.v[c]) + f.y * (y.v[c] + f.z * yz.v[c]) +
+               f.x * ((x.v[c] + f.z * zx.v[c]) + f.y * (xy.v[c] + f.z * xyz.v[c]));
     return out;
   }
   template <class V>
   PM_HD void slopes(const Vec3<V>& f, V (&derivative)[3][3]) const {
+    const auto& [one, x, y, z, xy, yz, zx, xyz] = anew<V>(*this);
     for (int c = 0; c < 3; ++c) {
-      const V yz = yz_.v[c] + f.x * xyz_.v[c];
-      derivative[c][0] = (x_.v[c] + f.z * zx_.v[c]) + f.y * (xy_.v[c] + f.z * xyz_.v[c]);
-      derivative[c][1] = (y_.v[c] + f.x * xy_.v[c]) + f.z * yz;
-      derivative[c][2] = (z_.v[c] + f.x * zx_.v[c]) + f.y * yz;
+      const V across = yz.v[c] + f.x * xyz.v[c];
+      derivative[c][0] = (x.v[c] + f.z * zx.v[c]) + f.y * (xy.v[c] + f.z * xyz.v[c]);
+      derivative[c][1] = (y.v[c] + f.x * xy.v[c]) + f.z * across;
+      derivative[c][2] = (z.v[c] + f.x * zx.v[c]) + f.y * across;
     }
   }
 

@@ -1,5 +1,6 @@
 // Host and device: the only file that knows which compiler it is.
 #pragma once
+#include <type_traits>
 
 // The laws are called once a point a step: always inlined, so that a point's state stays in registers.
 #ifdef __CUDACC__
@@ -14,18 +15,19 @@
 
 namespace pockmark {
 
-// Returns what there is, as if it were new: in a loop over packs its numbers then come from memory in each
+// Returns what there is, as if it were new: in a loop over packs V its numbers then come from memory in each
 // turn, where they fill all lanes at no cost. A compiler would fill registers with them ahead of the loop,
-// more than there are, for a loop of one or two turns.
-template <class T>
+// more than there are, for a loop of one or two turns. A loop over the points one by one has more turns.
+template <class V, class T>
 PM_HD const T& anew(const T& what) {
-#ifdef __CUDACC__
-  return what;
-#else
-  const T* at = &what;
-  asm volatile("" : "+r"(at) : "m"(what));
-  return *at;
+#ifndef __CUDACC__
+  if constexpr (!std::is_arithmetic_v<V>) {
+    const T* at = &what;
+    asm volatile("" : "+r"(at) : "m"(what));
+    return *at;
+  }
 #endif
+  return what;
 }
 
 // Four numbers that are added and scaled as one.

@@ -33,25 +33,26 @@ PM_HD Strain<V> load_strain(const StrainColumns<T>& from, std::size_t i) {
 template <class Shape, class V, class Hints, class T, class Volume, class Also>
 void gather_strain(const Points<T>& points, const GridGeometry<T>& grid, const Block& block,
                    Velocity<T> velocity, T dt, const Volume& volume, StrainColumns<T>& out, Also&& also) {
+  const T scale = T(0.5) * dt * grid.per_metre;
   for_each_bundle(block, [&](const Bundle& bundle) PM_INLINE {
     Patch<Shape, T> patch;
     patch.load(grid, bundle, velocity);
-    patch.scale(T(0.5) * dt * grid.per_metre);
-    const Interpolant<Shape, T> displacement(patch);
+    Interpolant<Shape, T> displacement(patch);
+    displacement.scale(scale);
     const auto around = volume.around(bundle);
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
       Hints::template before<Pass::gradient>(points, p);
       const auto f = points.template vector<R>(Field::place, p, n);
-      const auto trace_of = anew(around).trace_at(f);  // first: it takes many registers, and leaves one
-      R d[3][3];                                       // dt/2 d v_c / d x_a
-      anew(displacement).slopes(f, d);
-      if (grid.is_axisymmetric) d[1][1] = hoop_rate(grid, bundle, patch, f);
+      const auto trace_of = anew<R>(around).trace_at(f);  // first: it takes many registers, and leaves one
+      R d[3][3];                                          // dt/2 d v_c / d x_a
+      displacement.slopes(f, d);
+      if (grid.is_axisymmetric) d[1][1] = hoop_rate<Shape>(grid, bundle, velocity, scale, f);
       Sym3<R> small{d[0][0] + d[0][0], d[1][1] + d[1][1], d[2][2] + d[2][2],
                     d[0][1] + d[1][0], d[1][2] + d[2][1], d[2][0] + d[0][2]};
       trace_of.put_into(small);
       const Vec3<R> turn{d[2][1] - d[1][2], d[0][2] - d[2][0], d[1][0] - d[0][1]};
-      also(p - block.begin, f, anew(displacement));
+      also(p - block.begin, f, displacement);
       store_strain(out, p - block.begin, Strain<R>(small, R(T(0.5)) * turn));
     });
   });
@@ -66,7 +67,7 @@ void gather_values(const Points<T>& points, const Block& block, Columns<T, 3>& o
     const Interpolant<Shape, T> field(patch);
     using R = bundle_pack_t<V>;
     for_each_pack<R>(bundle, [&](std::size_t p, int n) PM_INLINE {
-      const auto v = anew(field).value(points.template vector<R>(Field::place, p, n));
+      const auto v = field.value(points.template vector<R>(Field::place, p, n));
       for (int c = 0; c < 3; ++c) out.store(c, p - block.begin, v[c]);
     });
   });

@@ -36,8 +36,9 @@ struct MieGruneisen {
   PM_HD EosPoint<V> at(const Compression<V>& c, V energy) const {
     const auto compressed = V(0) <= c.eta;
     if (!any(compressed)) return expanded(c.mu, energy);
-    const auto out = shocked(c.eta, c.ratio, energy);
-    return any(!compressed) ? select(compressed, out, expanded(c.mu, energy)) : out;
+    auto out = shocked(c.eta, c.ratio, energy);  // not chosen by ?:, which copies all of it through memory
+    if (any(!compressed)) out = select(compressed, out, expanded(c.mu, energy));
+    return out;
   }
 
  private:

@@ -6,6 +6,7 @@
 // What either takes becomes heat of the points around (map_unseen, heat). Points that are free to fly
 // (connected.hpp) neither give to the filter nor take from it.
 #pragma once
+#include "../compliance.hpp"
 #include "../motion.hpp"
 #include "../stress.hpp"
 #include "connected.hpp"
@@ -232,20 +233,6 @@ class Filter {
       lost.store(0, i, loss, n);
     });
     return sum_of(sum);
-  }
-  // Returns by how much V/V0 grows in a wave in which the pressure falls, 1/Pa; 0 where no wave goes. One
-  // that raises it finds the material ever stiffer: by about four times the rise at its end, and half of it
-  // in the mean. Without this the points in front of a shock at 12 km/s are crushed to where the law ends.
-  static V compliance(const Material<T>& material, const PointState<V>& point, V fall) {
-    const V ratio = point.ratio();
-    const auto change = Compression<V>::of(point.dilation);
-    const auto now =
-        material.eos.visit([&](const auto& eos) PM_INLINE { return eos.at(change, point.energy); });
-    const V shear = V(T(4.0 / 3.0)) * material.shear(conditions_of(point));
-    const V bulk = max(now.stiffness(point.pressure, ratio), V(0));
-    const V stiffness = bulk + shear + V(T(2)) * ratio * max(-fall, V(0));
-    const auto goes = V(0) < stiffness;
-    return select(goes, ratio * ratio / select(goes, stiffness, V(1)), V(0));
   }
   // Adds the heat of the pressures.
   void heat(Momentum<T> taken) {

@@ -26,7 +26,7 @@ class Filter(Model):
     """Steps from one filtering to the next; 0 filters never."""
     order: Annotated[int, Field(ge=0, le=16)] = 2
     """Order of the velocity's filter; 0 leaves the velocity alone."""
-    pressure: Annotated[Number, Field(ge=0, le=1)] = 1.0
+    pressure: Annotated[Number, Field(ge=0, le=1)] = 0.5
     """Share of the unseen pressure that relaxes each time; 0 leaves the pressure alone."""
 
     @model_validator(mode="after")
