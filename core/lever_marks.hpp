@@ -67,20 +67,14 @@ T ring_shift(const GridGeometry<T>& grid, const Row& row) {
   return grid.is_axisymmetric && from_axis > 0 ? T(1) / T(6 * from_axis) : T(0);
 }
 
-// Finds how full the nodes of a row are, of all bodies: where two are in contact there is no surface. A node
-// on a face of the grid has half of its space outside.
+// Finds how full the nodes of a row are. A node on a face of the grid has half of its space outside.
 template <class T>
 void find_filling(const GridGeometry<T>& grid, Velocity<T> velocity, T* filling, const Row& row) {
   int at[3];
   grid.split(row.first, at);
   const auto on_face = [&](int axis, int i) { return i == grid.pad || i == grid.pad + grid.cells[axis]; };
   const T across = T(on_face(1, at[1]) ? 2 : 1) / space_across_x(grid, at[0]);
-  const auto mass = [&](std::size_t node) { return velocity[node].v[3]; };
-  for (int k = row.begin; k < row.end; ++k) filling[row.first + k] = across * mass(row.first + k);
-  if (grid.field_count > 1) {
-    const std::size_t other = row.first + grid.node_count() - 2 * grid.field_of(row.first);
-    for (int k = row.begin; k < row.end; ++k) filling[row.first + k] += across * mass(other + k);
-  }
+  for (int k = row.begin; k < row.end; ++k) filling[row.first + k] = across * velocity[row.first + k].v[3];
   for (const int k : {grid.pad, grid.pad + grid.cells[2]})
     if (k >= row.begin && k < row.end) filling[row.first + k] *= T(2);
 }
@@ -132,6 +126,16 @@ template <class T>
 void mark_nodes(const RowBits<T>& rows, const LeverMarks& marks, int ring, const Row& row) {
   rows.for_each_word(
       row, [&](std::size_t w) { marks.nodes[ring][w] = rows.of_cells(marks.cells[ring - 1], row, w); });
+}
+
+// Takes out the nodes that two velocity fields share: contact decides of the velocity there, and what is
+// carried from it would lie beyond.
+template <class T>
+void take_out_shared(const GridGeometry<T>& grid, const RowBits<T>& rows, const LeverMarks& marks, int ring,
+                     const Row& row) {
+  if (grid.field_count < 2) return;
+  rows.for_each_word(
+      row, [&](std::size_t w) { marks.nodes[ring][w] &= ~marks.has_mass[rows.in_other_field(row, w)]; });
 }
 
 }  // namespace pockmark

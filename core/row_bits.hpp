@@ -51,6 +51,12 @@ class RowBits {
     return column[word(bundle.node, i, j) + std::size_t(k) / 64] >> (k % 64) & 1;
   }
 
+  // Returns the word of the other of two velocity fields for the same nodes.
+  std::size_t in_other_field(const Row& row, std::size_t w) const {
+    const std::size_t field = std::size_t(grid_.nodes(0)) * x_;
+    return grid_.field_of(row.first) == 0 ? w + field : w - field;
+  }
+
   // Calls f(w) for each word of a row.
   template <class F>
   void for_each_word(const Row& row, F&& f) const {

@@ -58,7 +58,7 @@ class Filter {
   // Finds in `sum` the nodal velocity of which S makes the filtered one. Where nodes have the velocity of the
   // mass centres it is the series below. Otherwise that series filters what v is besides the velocity carried
   // to the nodes, and what it leaves of that is mapped and taken back, so that linear velocities stay as they
-  // are, and the filter symmetric.
+  // are, and the filter symmetric. These two steps are of order 2 by themselves.
   void find_velocity(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
     clear_nodes(driver_, sum);
     clear_nodes(driver_, first);
@@ -66,7 +66,7 @@ class Filter {
       const auto v = [&](int a) { return driver_.points().at(Field::velocity, a) + block.begin; };
       map(block, {v(0), v(1), v(2)}, first);
     });
-    if (!at_nodes_.is_linear()) return add_series(first, second, sum);
+    if (!at_nodes_.is_linear()) return add_series(options_.filter_order, first, second, sum);
     at_nodes_.clear();
     const auto mean = to_grid(first, Mirrored::vector);
     at_nodes_.find(
@@ -74,15 +74,16 @@ class Filter {
     at_nodes_.carry(mean);
     add(T(1), mean, sum);
     map_rest(sum, first);
-    add_series(first, second, sum);
-    map_rest(sum, first);
+    if (options_.filter_order > 2) {
+      add_series(options_.filter_order - 2, first, second, sum);
+      map_rest(sum, first);
+    }
     take_back(first, sum);
   }
   // Adds sum_k c_k (S+ S)^(k-1) S+ w, of which S makes what the binomial series of 1 - (1 - S S+)^m leaves of
   // w; `first` is what w maps.
-  void add_series(Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
+  void add_series(int order, Momentum<T> first, Momentum<T> second, Momentum<T> sum) {
     Velocity<T> term = to_grid(first, Mirrored::vector);
-    const int order = options_.filter_order;
     T share = T(order);
     add(share, term, sum);
     Momentum<T> next = second;

@@ -144,7 +144,10 @@ class NodeVelocity {
     });
     rows_.mirror(faces_, marks.is_whole);
     for (int ring = 0; ring < LeverMarks::rings; ++ring) {
-      if (ring > 0) for_each_row([&](const Row& row) { mark_nodes(rows_, marks, ring, row); });
+      for_each_row([&](const Row& row) {
+        if (ring > 0) mark_nodes(rows_, marks, ring, row);
+        if (ring <= 1) take_out_shared(grid_, rows_, marks, ring, row);
+      });
       for_each_row([&](const Row& row) { mark_cells(rows_, marks, ring, row); });
     }
     walk([](const auto& row) { row.clear(); });

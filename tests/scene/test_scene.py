@@ -307,7 +307,12 @@ def test_unreadable_files_are_told(tmp_path):
 
 def test_the_paper_s_scheme_is_a_name_for_what_it_does():
     """What is written beside it counts; the scene has the hash of one that spells it out."""
-    plain = ["numerics.scheme=usavg", "numerics.volumetric_strain=points", "numerics.filter.interval=0"]
+    plain = [
+        "numerics.scheme=usavg",
+        "numerics.volumetric_strain=points",
+        "numerics.node_velocity=mean",
+        "numerics.filter.interval=0",
+    ]
     named, spelled = (
         Scene.load(EXAMPLES / "quick.toml", changes) for changes in (["numerics.scheme=paper"], plain)
     )
@@ -317,3 +322,5 @@ def test_the_paper_s_scheme_is_a_name_for_what_it_does():
         EXAMPLES / "quick.toml", ["numerics.scheme=paper", "numerics.volumetric_strain=cells"]
     )
     assert (changed.numerics.scheme, changed.numerics.volumetric_strain) == ("usavg", "cells")
+    filtered = Scene.load(EXAMPLES / "quick.toml", ["numerics.scheme=paper", "numerics.filter.order=4"])
+    assert (filtered.numerics.filter.interval, filtered.numerics.filter.order) == (0, 4)

@@ -63,7 +63,7 @@ def test_cells_divide_what_the_scene_s_own_divide():
 
 
 def test_coarser_cells_are_taken_where_they_are_fine_enough():
-    made = plan(QUICK, *TINY_POINTS, in_3d=True, budget=3.0)
+    made = plan(QUICK, *TINY_POINTS, in_3d=True, budget=4.5)
     assert made.own > 0
     assert made.levels[0].expected.cells_across >= 4
     assert made.levels[made.own].cell == 2.5e-6

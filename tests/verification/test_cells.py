@@ -82,7 +82,7 @@ def test_the_ledger_closes_where_points_fill_the_grid_to_its_faces(shape, faces,
 @pytest.mark.parametrize("contact", [(), ("contact.friction=0.3",)], ids=["sticks", "contact"])
 def test_an_impact_closes_its_ledger(shape, contact):
     """With failure, transmitting faces and points that leave."""
-    leaving = ("impact.speed=12000", "grid.upper=['100 um', '100 um', '25 um']")
+    leaving = ("impact.speed=12000", "grid.upper=['100 um', '100 um', '21 um']")
     simulation = Simulation(
         bench_scene(20_000, (CELLS, f"numerics.shape_functions={shape}", *contact, *leaving)), 2
     )

@@ -127,9 +127,9 @@ def plateau(columns, level, up):
     fronts = [front(c, level) for c in columns]
     speed = np.polyfit([c.time for c in columns], fronts, 1)[0] + up
     stress, pressure, volume, energy, momentum = [], [], [], [], []
-    for c, front in zip(columns, fronts, strict=True):
+    for c, edge in zip(columns, fronts, strict=True):
         # Away from the shock, and from the middle, which the first instant overheats ("wall heating").
-        here = (np.abs(c.x) > 15 * H) & (np.abs(c.x) < front - 15 * H)
+        here = (np.abs(c.x) > 15 * H) & (np.abs(c.x) < edge - 15 * H)
         stress.append(c.stress[here])
         pressure.append(c.pressure[here])
         volume.append(1 / c.density[here])

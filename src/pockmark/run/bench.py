@@ -113,7 +113,7 @@ def _measure(simulation: Simulation, end: float) -> Measured:
     simulation.advance(WARM_UP)
     before, sorts = simulation.timers(), simulation.sorts
     steps = simulation.advance(end)
-    seconds = {name: after - before[name] for name, after in simulation.timers().items()}
+    seconds = {name: after - before.get(name, 0.0) for name, after in simulation.timers().items()}
     return Measured(seconds, steps, simulation.points, simulation.sorts - sorts)
 
 

@@ -74,7 +74,8 @@ def measure_run(path: AnyPath) -> dict[str, Any]:
 def _method(scene: Scene) -> dict[str, Any]:
     """Return how a scene is computed, as the table of a run has it."""
     keys = ("scheme", "shape_functions", "volumetric_strain", "node_velocity", "precision")
-    return {"failure_treatment": treatments(scene)} | {key: getattr(scene.numerics, key) for key in keys}
+    told = {"failure_treatment": treatments(scene)} | {key: getattr(scene.numerics, key) for key in keys}
+    return told | {"filter_interval": scene.numerics.filter.interval}
 
 
 def _complete(table: dict[str, Any], scene: Scene, doubts: Sequence[str]) -> dict[str, Any]:

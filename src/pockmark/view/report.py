@@ -156,7 +156,9 @@ def _run(result: Results) -> Iterator[tuple[str, str]]:
     yield "failure treatment", str(run["failure_treatment"])
     by_cells = ", volumetric strain by cells" if run.get("volumetric_strain") == "cells" else ""
     linear = ", linear velocities at the nodes" if run.get("node_velocity") == "linear" else ""
-    yield "scheme", f"{run['scheme']}, {run['shape_functions']}{by_cells}{linear}"
+    every = run.get("filter_interval")
+    filtered = f", filtered every {every} steps" if every else ""
+    yield "scheme", f"{run['scheme']}, {run['shape_functions']}{by_cells}{linear}{filtered}"
     yield "largest rho/rho0", _shown(run["max_compression"], "{:.3f}")
     rate = _shown(run["particle_steps_per_second"], "{:.2f} M particle-steps/s", unit=1e6)
     yield "size", f"{run['points']:,} points, {run['steps']:,} steps, {rate}"
