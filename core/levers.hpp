@@ -166,16 +166,17 @@ class LeverRow {
     struct Level {
       Quad<T> across, along;
     };
-    const auto level = [&](std::size_t upper) PM_INLINE {
-      const auto &a = levers_.wide[upper - x_ - y_].along, &b = levers_.wide[upper - x_].along,
-                 &c = levers_.wide[upper - y_].along, &d = levers_.wide[upper].along;
+    const auto level = [&](Place upper) PM_INLINE {
+      const auto* const wide = levers_.wide + upper;
+      const auto &a = (wide - x_ - y_)->along, &b = (wide - x_)->along, &c = (wide - y_)->along,
+                 &d = wide->along;
       return Level{{(a[0].v + b[0].v) - (c[0].v + d[0].v) + ((a[1].v + c[1].v) - (b[1].v + d[1].v))},
                    {(a[2].v + b[2].v) + (c[2].v + d[2].v)}};
     };
     rows_.for_each_run(marks_.nodes[3], row_, [&](std::size_t begin, std::size_t end) {
-      Level lower = level(begin - 1);
+      Level lower = level(Place(begin) - 1);
       for (std::size_t node = begin; node < end; ++node) {
-        const Level upper = level(node);
+        const Level upper = level(Place(node));
         force[node].v += (lower.across.v + upper.across.v) + (lower.along.v - upper.along.v);
         lower = upper;
       }
@@ -183,6 +184,8 @@ class LeverRow {
   }
 
  private:
+  using Place = std::ptrdiff_t;  // of a cell: those before the first have room, too, and are zero
+
   // Calls f for those of the next ring that are not in a ring.
   template <class F>
   void for_each_beyond(Bits* const (&of)[LeverMarks::rings], int ring, F&& f) const {
@@ -224,16 +227,15 @@ class LeverRow {
   // Calls f(cell, sum) for the cells of a ring.
   template <class F>
   void widen(int ring, F&& f) const {
-    const auto line = [&](std::size_t cell) PM_INLINE {
+    const auto line = [&](const Slopes<T>* own) PM_INLINE { return twice(*own) + (*(own - y_) + own[y_]); };
+    const auto across = [&](Place cell) PM_INLINE {
       const auto* const own = levers_.own + cell;
-      return twice(*own) + (*(own - y_) + own[y_]);
+      return twice(line(own)) + (line(own - x_) + line(own + x_));
     };
-    const auto across = [&](std::size_t cell)
-                            PM_INLINE { return twice(line(cell)) + (line(cell - x_) + line(cell + x_)); };
     rows_.for_each_run(marks_.cells[ring], row_, [&](std::size_t begin, std::size_t end) {
-      Slopes<T> lower = across(begin - 1), own = across(begin);
+      Slopes<T> lower = across(Place(begin) - 1), own = across(Place(begin));
       for (std::size_t cell = begin; cell < end; ++cell) {
-        const Slopes<T> upper = across(cell + 1);
+        const Slopes<T> upper = across(Place(cell) + 1);
         f(cell, twice(own) + (lower + upper));
         lower = own;
         own = upper;
@@ -244,14 +246,14 @@ class LeverRow {
   // Calls f(node, sum) for the nodes of ring 1, with what the cells around have.
   template <class F>
   void add_around(F&& f) const {
-    const auto across = [&](std::size_t cell) PM_INLINE {
+    const auto across = [&](Place cell) PM_INLINE {
       const auto* const wide = levers_.wide + cell;
       return (*wide + *(wide - y_)) + (*(wide - x_) + *(wide - x_ - y_));
     };
     rows_.for_each_run(marks_.nodes[1], row_, [&](std::size_t begin, std::size_t end) {
-      Slopes<T> lower = across(begin - 1);
+      Slopes<T> lower = across(Place(begin) - 1);
       for (std::size_t node = begin; node < end; ++node) {
-        const Slopes<T> upper = across(node);
+        const Slopes<T> upper = across(Place(node));
         f(node, lower + upper);
         lower = upper;
       }
@@ -272,7 +274,7 @@ class LeverRow {
   const LeverMarks& marks_;
   const RowBits<T>& rows_;
   const Row& row_;
-  std::size_t x_, y_;  // to the next node along an axis
+  std::ptrdiff_t x_, y_;  // to the next node along an axis
 };
 
 }  // namespace pockmark

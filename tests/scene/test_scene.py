@@ -305,6 +305,19 @@ def test_unreadable_files_are_told(tmp_path):
         Scene.load(tmp_path / "bad.toml")
 
 
+def test_the_default_is_changed_by_what_does_not_go_with_it():
+    """Quadratic functions take the mean at nodes, USL each point's own gradient; what is written counts, and is refused."""
+    quick = EXAMPLES / "quick.toml"
+    told = [
+        (of.node_velocity, of.volumetric_strain, of.filter.interval)
+        for changes in ([], ["numerics.shape_functions=quadratic"], ["numerics.scheme=usl"])
+        for of in [Scene.load(quick, changes).numerics]
+    ]
+    assert told == [("linear", "cells", 10), ("mean", "cells", 10), ("linear", "points", 10)]
+    with pytest.raises(PockmarkError, match="found 'cells' with scheme 'usl'"):
+        Scene.load(quick, ["numerics.scheme=usl", "numerics.volumetric_strain=cells"])
+
+
 def test_the_paper_s_scheme_is_a_name_for_what_it_does():
     """What is written beside it counts; the scene has the hash of one that spells it out."""
     plain = [
