@@ -61,19 +61,15 @@ T space_across_x(const GridGeometry<T>& grid, int i) {
 // farther out weigh more (hoop.hpp). On the axis a mirror holds it.
 template <class T>
 T ring_shift(const GridGeometry<T>& grid, const Row& row) {
-  int at[3];
-  grid.split(row.first, at);
-  const int from_axis = at[0] - grid.pad;
+  const int from_axis = row.i - grid.pad;
   return grid.is_axisymmetric && from_axis > 0 ? T(1) / T(6 * from_axis) : T(0);
 }
 
 // Finds how full the nodes of a row are. A node on a face of the grid has half of its space outside.
 template <class T>
 void find_filling(const GridGeometry<T>& grid, Velocity<T> velocity, T* filling, const Row& row) {
-  int at[3];
-  grid.split(row.first, at);
   const auto on_face = [&](int axis, int i) { return i == grid.pad || i == grid.pad + grid.cells[axis]; };
-  const T across = T(on_face(1, at[1]) ? 2 : 1) / space_across_x(grid, at[0]);
+  const T across = T(on_face(1, row.j) ? 2 : 1) / space_across_x(grid, row.i);
   for (int k = row.begin; k < row.end; ++k) filling[row.first + k] = across * velocity[row.first + k].v[3];
   for (const int k : {grid.pad, grid.pad + grid.cells[2]})
     if (k >= row.begin && k < row.end) filling[row.first + k] *= T(2);
@@ -98,9 +94,7 @@ template <class V, class T = number_t<V>>
 void mark_surface(const GridGeometry<T>& grid, const T* filling, const LeverMarks& marks, const Row& row) {
   if (!row.is_inside) return;
   const std::size_t x = grid.index(1, 0, 0), y = grid.index(0, 1, 0);
-  int at[3];
-  grid.split(row.first, at);
-  const int from_axis = grid.is_axisymmetric ? at[0] - grid.pad : 2;
+  const int from_axis = grid.is_axisymmetric ? row.i - grid.pad : 2;
   const std::size_t in = from_axis > 1 ? x : 0, out = from_axis > 0 ? x : 0;
   constexpr int width = Pack<V>::width;
   Bits* const beside = marks.nodes[0] + row.word;

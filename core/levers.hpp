@@ -102,12 +102,13 @@ class LeverRow {
       own.along[0].v[3] = mass;
     });
   }
-  // Ends with what a lever is to be multiplied with: the inverse of the mean of these slopes. `shift` is how
-  // far mass centres lie off the nodes along x within a body, too: of that nothing is carried.
-  void divide_by_spans(T shift) const {
+  // Ends with what a lever is to be multiplied with: the inverse of the mean of these slopes. Of how far the
+  // mass centres of rings lie off the nodes within a body, too, nothing is carried.
+  void divide_by_spans(const GridGeometry<T>& grid) const {
+    const Vec3<T> within{ring_shift(grid, row_), T(0), T(0)};
     add_around([&](std::size_t node, const Slopes<T>& sum) {
       auto& at = levers_.at[node];
-      at.set_vector(per_span(sum, at.vector() + Vec3<T>{shift, T(0), T(0)}));
+      at.set_vector(per_span(sum, at.vector() + within));
     });
     for_each_beyond(marks_.nodes, 1, [&](std::size_t node) { levers_.at[node] = {}; });
   }

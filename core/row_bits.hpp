@@ -16,6 +16,7 @@ using Bits = std::uint64_t;
 struct Row {
   std::size_t first;  // the node at k = 0
   std::size_t word;   // the first one, of a column of bits
+  int i, j;           // of its nodes
   int begin, end;     // k, of the nodes that points touch
   bool begins_cells;  // it is not the last row of its plane, nor in the last plane
   bool is_inside;     // it has a row on each side
@@ -33,7 +34,7 @@ class RowBits {
 
   // Words of a column, and of those in front of its first row, which stay zero: so each row has others before
   // it.
-  std::size_t words() const { return grid_.field_count * std::size_t(grid_.nodes(0)) * x_; }
+  std::size_t words() const { return grid_.field_count * of_a_field(); }
   std::size_t margin() const { return x_ + y_; }
 
   // Returns the row of a line of nodes.
@@ -42,8 +43,8 @@ class RowBits {
     grid_.split(begin, at);
     const auto [i, j, k] = at;
     const bool begins_cells = i + 1 < grid_.nodes(0) && j + 1 < grid_.nodes(1);
-    return {begin - std::size_t(k), word(begin, i, j), k,
-            k + int(end - begin),   begins_cells,      begins_cells && i > 0 && j > 0};
+    return {begin - std::size_t(k),        word(begin, i, j), i, j, k, k + int(end - begin), begins_cells,
+            begins_cells && i > 0 && j > 0};
   }
   // Returns whether the cell of a bundle has its bit.
   bool has(const Bits* column, const Bundle& bundle) const {
@@ -53,8 +54,7 @@ class RowBits {
 
   // Returns the word of the other of two velocity fields for the same nodes.
   std::size_t in_other_field(const Row& row, std::size_t w) const {
-    const std::size_t field = std::size_t(grid_.nodes(0)) * x_;
-    return grid_.field_of(row.first) == 0 ? w + field : w - field;
+    return grid_.field_of(row.first) == 0 ? w + of_a_field() : w - of_a_field();
   }
 
   // Calls f(w) for each word of a row.
@@ -162,8 +162,10 @@ class RowBits {
     const std::size_t first = field * grid_.node_count();
     return {first + grid_.index(i, j, 0), word(first, i, j)};
   }
+  // Returns how many words of a column are of one velocity field.
+  std::size_t of_a_field() const { return std::size_t(grid_.nodes(0)) * x_; }
   std::size_t word(std::size_t node, int i, int j) const {
-    const std::size_t field = grid_.field_of(node) == 0 ? 0 : std::size_t(grid_.nodes(0)) * x_;
+    const std::size_t field = grid_.field_of(node) == 0 ? 0 : of_a_field();
     return field + std::size_t(i) * x_ + std::size_t(j) * y_;
   }
   static Bits get(const Bits* column, Start row, std::size_t k) {

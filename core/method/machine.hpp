@@ -81,9 +81,9 @@ struct Machine {
   }
   Force<T> force() { return driver.template nodes<Nodal::force>(1); }
   Damping<T> damping() { return driver.template nodes<Nodal::damping>(3); }
-  int array_count() const { return first_lever() + (model.is_linear() ? 3 : 0); }
 
  private:
+  int array_count() const { return first_lever() + (model.is_linear() ? 3 : 0); }
   int first_lever() const { return model.by_cells() ? 5 : 4; }
 };
 

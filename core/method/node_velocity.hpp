@@ -61,12 +61,10 @@ class NodeVelocity {
     fold(on_faces_, mirrors_, levers_.at);
     walk([](const auto& row) { row.find_levers(); });
     constrain(on_faces_, mirrors_, levers_.at);
-    for (const auto& [image, cell, face] : images_) levers_.mass[image] = levers_.mass[cell];
+    for (const Image& one : images_) levers_.mass[one.image] = levers_.mass[one.cell];
     walk([](const auto& row) { row.find_spans(); });
     widen(mirrors_);
-    for_each_row([&](const Row& row) {
-      LeverRow<T>(grid_, rows_, levers_, row).divide_by_spans(ring_shift(grid_, row));
-    });
+    walk([&](const auto& row) { row.divide_by_spans(grid_); });
     constrain(on_faces_, mirrors_, levers_.at);
     forget_outside();
   }
@@ -105,10 +103,8 @@ class NodeVelocity {
   }
 
  private:
-  // A cell behind a mirror, and the one whose image it is.
-  struct Image {
-    std::size_t image, cell;
-    int face;
+  struct Image : MirroredCell {
+    int face;  // the mirror
   };
 
   // Calls f for the bundles of a block whose cells are marked.
@@ -164,10 +160,7 @@ class NodeVelocity {
           [&](const FaceNode& at) { on_faces_[face].push_back(at); });
       rows_.for_each_face_node(
           face, levers_.marks.cells[2], [&](Bits on, Bits, Bits outside) { return face % 2 ? on : outside; },
-          [&](const FaceNode& at) {
-            const auto [image, cell] = mirrored_cell(face, at);
-            images_.push_back({image, cell, face});
-          });
+          [&](const FaceNode& at) { images_.push_back({mirrored_cell(face, at), face}); });
     }
   }
   void carry_on(Velocity<T> mean) const {

@@ -31,7 +31,7 @@ class Solver {
            {},
            {},
            {}} {
-    allocate();
+    m_.allocate();
   }
 
   const Model<T>& model() const { return m_.model; }
@@ -51,7 +51,7 @@ class Solver {
     grid.field_count = 2;
     if (2 * grid.node_count() >= UINT32_MAX)
       throw std::invalid_argument("set_contact: more than 4 billion nodes");
-    allocate();
+    m_.allocate();
     m_.model.in_second = std::move(in_second);
     m_.contact.emplace(grid, m_.model.faces, T(friction));
   }
@@ -159,7 +159,6 @@ class Solver {
   }
 
  private:
-  void allocate() { m_.allocate(); }
   void begin_anchorage() {
     m_.transmitting.anchorage().begin(m_.model.grid, m_.model.materials.size());
     anchorage_bytes_ = m_.transmitting.anchorage().bytes();
