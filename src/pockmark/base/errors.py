@@ -1,7 +1,8 @@
 """The one kind of error that a user's mistake raises, and how its sentence is kept short and printable."""
 
+import difflib
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 MAX_SENTENCE = 480  # characters of an error
@@ -41,6 +42,11 @@ def _cut(text: str, limit: int) -> str:
         return text
     end = limit // 4
     return f"{text[: limit - end - 5]} ... {text[-end:]}"
+
+
+def nearest(name: str, known: Iterable[str]) -> list[str]:
+    """Return the three known names that are most like one that is not known."""
+    return difflib.get_close_matches(name[:100], [*known], n=3, cutoff=0.0)
 
 
 def together(faults: Sequence[str]) -> str:

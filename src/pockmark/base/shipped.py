@@ -3,10 +3,9 @@
 A wheel has them in `shipped`; in a checkout they lie beside `src`.
 """
 
-import difflib
 from pathlib import Path
 
-from .errors import PockmarkError, shown
+from .errors import PockmarkError, nearest, shown
 
 _PACKAGE = Path(__file__).parents[1]
 
@@ -25,7 +24,7 @@ def examples() -> dict[str, Path]:
 def example(name: str) -> Path:
     """Return the file of an example. Raises PockmarkError with the nearest names for one that is not there."""
     if name not in (known := examples()):
-        near = ", ".join(difflib.get_close_matches(name[:100], known, n=3, cutoff=0.0))
+        near = ", ".join(nearest(name, known))
         raise PockmarkError(
             f"{shown(name, 60)}: is no example, nearest are {near} (pockmark new --list has all)"
         )

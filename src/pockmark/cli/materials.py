@@ -9,7 +9,7 @@ from rich.text import Text
 from ..base.json import to_json
 from ..base.terminal import literal
 from ..scene.materials import Material, library, material
-from ..scene.sheet import Row, at_rest, constants, laws
+from ..scene.sheet import Row, at_rest, constants
 from .common import CONSOLE
 
 CHANGE = """
@@ -48,7 +48,7 @@ def _list(shown: dict[str, Material]) -> Table:
     table = Table(show_header=False, title="Materials", show_lines=True)
     table.add_column(no_wrap=True)
     for name, what in shown.items():
-        eos, strength, failure = laws(what)
+        eos, strength, failure = what.laws
         told = f"{what.density:g} kg/m^3; eos {eos}, strength {strength}, failure {failure}; up to {_up_to(what)}"
         table.add_row(literal(name, "bold"), Text.assemble(literal(told), "\n", literal(what.source, "dim")))
     return table

@@ -67,8 +67,7 @@ def resolution_of(scene: Scene, studies: Sequence[Study] | None = None) -> dict[
 def _laws(scene: Scene, name: str) -> list[str]:
     """Return the laws of a material by their names, its failure treatment among them."""
     material = scene.materials[name]
-    laws = [material.eos.model, material.strength.model, material.failure.model]
-    return [*laws, str(getattr(material.failure, "treatment", ""))]
+    return [*material.laws, str(getattr(material.failure, "treatment", ""))]
 
 
 def _serves(study: Study, scene: Scene) -> bool:

@@ -1,6 +1,5 @@
 """Materials: what a user writes, the cited library, and the core's material."""
 
-import difflib
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -14,7 +13,7 @@ from pydantic import Field, ValidationError, ValidationInfo, create_model, field
 from scipy.optimize import brentq
 
 from .. import _core
-from ..base.errors import PockmarkError, found, shown
+from ..base.errors import PockmarkError, found, nearest, shown
 from ..base.units import Quantity
 from .model import Hint, Model
 from .overrides import changed, merge
@@ -156,6 +155,11 @@ class Material(Model):
         except ValidationError as error:
             raise PockmarkError(f"material: {sentence(error, Material)}") from None
 
+    @property
+    def laws(self) -> tuple[str, str, str]:
+        """Return the names of the laws: equation of state, strength, failure."""
+        return self.eos.model, self.strength.model, self.failure.model
+
     def to_core(self) -> _core.Material:
         """Return the core's material."""
         t, v = self.thermal, self.viscosity
@@ -265,5 +269,5 @@ def complete(name: str, written: Any, user: str = "") -> Any:
 
 def _nearest(name: str) -> str:
     """Return the names in the library that are most like one, and how many more there are."""
-    near = difflib.get_close_matches(name[:100], library(), n=3, cutoff=0.0)
+    near = nearest(name, library())
     return f"{', '.join(near)} and {len(library()) - len(near)} more"

@@ -19,14 +19,9 @@ class Row(NamedTuple):
     meaning: str
 
 
-def laws(material: Material) -> tuple[str, str, str]:
-    """Return the names of the laws: equation of state, strength, failure."""
-    return material.eos.model, material.strength.model, material.failure.model
-
-
 def constants(material: Material) -> Iterator[Row]:
     """Give each constant of a material, by its key."""
-    own = dict(zip(("eos", "strength", "failure"), laws(material), strict=True))
+    own = dict(zip(("eos", "strength", "failure"), material.laws, strict=True))
     for key in keys():
         parts = key.path.split(".")
         if parts[:2] != ["materials", NAMED] or parts[2] in TEXTS or (key.of and key.of != own[parts[2]]):
