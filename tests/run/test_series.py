@@ -5,20 +5,15 @@ import json
 import h5py
 import numpy as np
 import pytest
+from rings import small_rings
 
-from pockmark import RunFolder, Scene, example, run_scene
+from pockmark import RunFolder, run_scene
 from pockmark.base.units import to_si
 from pockmark.run.extent import NOTHING, cut_back, extent_of
 from pockmark.run.series import SERIES
 from pockmark.run.snapshot import UNITS, Snapshot
 
-SMALL = {
-    "grid.cell": "5 um",
-    "body.wall.spacing": "2.5 um",
-    "body.ball.spacing": "1.25 um",
-    "end_time": "8 ns",
-}
-SCENE = Scene.load(example("rings")).with_(SMALL | {"output.snapshots": "3 ns"})
+SCENE = small_rings("3 ns")
 
 
 @pytest.fixture

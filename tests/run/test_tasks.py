@@ -4,18 +4,13 @@ import math
 
 import numpy as np
 import pytest
+from rings import small_rings
 
-from pockmark import PockmarkError, Scene, Simulation, example, measure, resume_run, run_scene
+from pockmark import PockmarkError, Simulation, measure, resume_run, run_scene
 from pockmark.run.keeper import Keeper
 from pockmark.view.report import report
 
-CHANGES = {
-    "grid.cell": "5 um",
-    "body.wall.spacing": "2.5 um",
-    "body.ball.spacing": "1.25 um",
-    "end_time": "8 ns",
-}
-SCENE = Scene.load(example("rings")).with_(CHANGES | {"output.snapshots": "4 ns"})
+SCENE = small_rings("4 ns")
 
 
 class Times:

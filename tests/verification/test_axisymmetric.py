@@ -29,7 +29,6 @@ from pockmark.run.simulation import Simulation
 
 H = 1e-6
 SHAPES = pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
-VOLUMES = pytest.mark.parametrize("volume", ["points", "cells"])
 
 
 class Method(NamedTuple):
@@ -58,6 +57,7 @@ class Method(NamedTuple):
 
 
 CARRIED = Method("trilinear", "cells", "linear")
+TRILINEAR = [Method("trilinear", "points"), Method("trilinear", "cells"), CARRIED]
 METHODS = pytest.mark.parametrize(
     "method",
     [Method(shape, volume) for shape in ("trilinear", "quadratic") for volume in ("points", "cells")]
@@ -358,9 +358,7 @@ def outgoing(method):
     return (ledger["kinetic"] + ledger["internal"]) / ledger["initial"]
 
 
-@pytest.mark.parametrize(
-    "method", [Method("trilinear", "points"), Method("trilinear", "cells"), CARRIED], ids=str
-)
+@pytest.mark.parametrize("method", TRILINEAR, ids=str)
 def test_a_transmitting_side_takes_waves_that_went_through_the_axis(method):
     """Half of it goes in first. The face is a plane wave's, the wave curved: a share of about (width/4R)^2 stays."""
     left = outgoing(method)
@@ -488,9 +486,7 @@ def test_the_drivers_agree(scheme, method, single, tolerance):
 
 
 @pytest.mark.parametrize("precision", ["double", "single"])
-@pytest.mark.parametrize(
-    "method", [Method("trilinear", "points"), Method("trilinear", "cells"), CARRIED], ids=str
-)
+@pytest.mark.parametrize("method", TRILINEAR, ids=str)
 def test_threads_and_sleep_change_no_bit(precision, method):
     numerics = (f"numerics.precision={precision}", *method.sets)
     # Where velocities are carried, tiles sleep farther from surfaces.
@@ -541,7 +537,7 @@ def state_of(scene, path):
 
 @pytest.mark.parametrize(
     "method",
-    [Method("trilinear", "points"), Method("quadratic", "points"), Method("trilinear", "cells"), CARRIED],
+    [*TRILINEAR, Method("quadratic", "points")],
     ids=str,
 )
 def test_the_crater_is_that_of_three_dimensions(method, tmp_path):
