@@ -119,7 +119,10 @@ struct StressUpdate {
     tally.viscous_work -= select(active, point.viscosity * opened * ratio * reference_volume, V(0));
 
     const V shear = T(4.0 / 3.0) * material.specific_volume * material.shear(conditions_of(point));
-    return bulk_c2 + select(intact, material.deviator_per_initial_volume() ? shear : shear * ratio, V(0));
+    // What has failed and opened has no stress that a wave could travel by.
+    const auto is_loose = !intact && p < V(0);
+    return select(is_loose, V(0), bulk_c2) +
+           select(intact, material.deviator_per_initial_volume() ? shear : shear * ratio, V(0));
   }
 
   // Returns which points the failure law may damage although they do not yield.

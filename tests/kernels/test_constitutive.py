@@ -139,6 +139,7 @@ def reference_update(state, gradient, mass, *, eos, shear, jc, treatment, d=D, s
     p = (eos(mu, 0.0) + slope * (energy + work(0.0))) / (1 + slope * 0.5 * ratio * opened)
     assert eos(mu, energy + work(p)) == pytest.approx(p, rel=1e-10, abs=1e-3)
     if damage >= 1:
+        c2 = c2 if p >= 0 else 0.0  # what has opened bears no wave
         p = max(p, 0.0)
     paid = energy
     energy = paid + work(p)
@@ -205,6 +206,7 @@ def compare(got, want, states, gradients, shear):
     scale[:, 4] += 1e-12
     scale[:, 6] += 1e-3
     scale[:, 7:13] = shear_scale[:, None]
+    scale[:, 13] += 1.0  # m/s: what has failed and opened has no sound
     return np.abs(got - want) / scale
 
 
