@@ -15,7 +15,8 @@ import sys
 
 from run import CASES
 
-TURNS, STEPS, WARM_UP = 15, 8, 40
+# Rounds have processes of their own, whose memory lies elsewhere. The steps of a turn are an interval of the default's filter.
+ROUNDS, TURNS, STEPS, WARM_UP = 3, 12, 10, 40
 # What a checkout runs: it answers each number of steps with the seconds that a point took in one.
 STEPPER = """
 import json, sys, time
@@ -75,6 +76,17 @@ def turn(both: list[subprocess.Popen[str]]) -> list[float]:
     return taken
 
 
+def a_round(both: list[subprocess.Popen[str]]) -> list[list[float]]:
+    """Return the seconds of both in each turn of new processes, and end these."""
+    for process in both:
+        seconds(process, WARM_UP)
+    times = [turn(both) for _ in range(TURNS)]
+    for process in both:
+        process.kill()
+        process.communicate()
+    return times
+
+
 def main() -> None:
     """Write a row for each case."""
     old, new = sys.argv[1:3]
@@ -90,13 +102,11 @@ def main() -> None:
         ]
     )
     for case, (isa, arguments) in CASES.items():
-        both = [stepper(source, isa, *in_python(arguments)) for source in (old, new)]
-        for process in both:
-            seconds(process, WARM_UP)
-        times = [turn(both) for _ in range(TURNS)]
-        for process in both:
-            process.kill()
-            process.communicate()
+        times = [
+            taken
+            for _ in range(ROUNDS)
+            for taken in a_round([stepper(source, isa, *in_python(arguments)) for source in (old, new)])
+        ]
         ratios = [after / before for before, after in times]
         rates = [1e-6 / statistics.median(column) for column in zip(*times, strict=True)]
         quartiles = statistics.quantiles(ratios)
