@@ -163,7 +163,7 @@ def test_a_strangers_hdf5_file_is_told(tmp_path):
 
 def _small_files():
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (500_000, 500_000))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (30_000, 30_000))
 
 
 def test_a_full_disk_is_one_sentence_and_leaves_no_half_file(tmp_path):

@@ -13,8 +13,10 @@ from pockmark.run.bench import bench_scene
 from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import resume_run, run_scene
 from pockmark.run.setup import setup_of
+from pockmark.run.simulation import LiveFields
+from pockmark.run.snapshot import write_snapshot
 from pockmark.run.store import RunFolder, Snapshot
-from pockmark.scene.forecast import forecast
+from pockmark.scene.forecast import BYTES_PER_POINT_KEPT, forecast
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 QUICK = EXAMPLES / "quick.toml"
@@ -124,6 +126,16 @@ print(1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
 """
 
 
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_a_snapshot_in_which_everything_moves_is_as_large_as_forecast(precision, tmp_path):
+    simulation = Simulation(bench_scene(60_000, (f"numerics.precision={precision}",)), 1)
+    simulation.advance(1.0, max_steps=200)
+    write_snapshot(tmp_path / "x", LiveFields(simulation), 0.0, 200, "0" * 16)
+    per_point = (tmp_path / "x").stat().st_size / simulation.points
+    print(f"{per_point:.1f} bytes a point")
+    assert per_point == pytest.approx(BYTES_PER_POINT_KEPT[precision], rel=0.1)
+
+
 @pytest.mark.parametrize(("points", "precision"), [(60_000, "double"), (250_000, "single")])
 def test_the_memory_and_the_disk_are_as_forecast(points, precision, tmp_path):
     """Of the whole command: running, measuring, drawing. Millions of points: benchmarks/README.md."""
@@ -138,7 +150,7 @@ def test_the_memory_and_the_disk_are_as_forecast(points, precision, tmp_path):
     expected = forecast(scene, 1)
     print(f"peak {peak / 2**20:.0f} MiB, forecast {expected.memory / 2**20:.0f} MiB; disk {disk}")
     assert expected.memory == pytest.approx(peak, rel=0.15)
-    assert expected.disk == pytest.approx(disk, rel=0.05)
+    assert disk < expected.disk  # most of it is at rest yet
 
 
 def test_forecast_warns():

@@ -22,7 +22,7 @@ def check(scene: SceneFile, overrides: Overrides = None, threads: Threads = 0) -
         table.add_row(*row)
     table.add_row("steps, about", f"{expected.steps:,}")
     table.add_row("memory at its peak", f"{expected.memory / 2**20:,.0f} MiB")
-    table.add_row("disk", f"{expected.disk / 1e6:,.0f} MB")
+    table.add_row("disk", f"at most {expected.disk / 1e6:,.0f} MB")
     table.add_row("time, about", f"{expected.seconds:,.0f} s on {thread_count(threads)} threads")
     CONSOLE.print(table)
     for warning in expected.warnings:

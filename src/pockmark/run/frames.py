@@ -4,13 +4,12 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.errors import PockmarkError
 from ..base.files import AnyPath
-from ..base.ledger import LEDGER, unit_of
+from ..base.ledger import LEDGER
+from .history import OWN_UNITS, unit_of
 from .store import RunFolder
 
 if TYPE_CHECKING:
     from pandas import DataFrame
-
-OWN_UNITS = {"time": "s", "depth": "m"}
 
 
 def history_frame(path: AnyPath) -> "DataFrame":
@@ -22,8 +21,7 @@ def history_frame(path: AnyPath) -> "DataFrame":
     frame: DataFrame = pandas().DataFrame(columns)
     counted = [name for name in columns if name not in LEDGER and name not in (*OWN_UNITS, "max_compression")]
     frame = frame.astype(dict.fromkeys(counted, "int64"))
-    ledger = {name: unit_of(name) for name in LEDGER}
-    frame.attrs["units"] = {name: (OWN_UNITS | ledger).get(name, "1") for name in columns}
+    frame.attrs["units"] = {name: unit_of(name) for name in columns}
     return frame
 
 

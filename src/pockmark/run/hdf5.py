@@ -1,7 +1,8 @@
 """Datasets with check sums in HDF5 files, read with distrust.
 
-What is read must be as pockmark writes it: plain numbers that lie in the file itself. So no link, no external or virtual
-storage and no filter is followed, and a declared shape cannot ask for more memory than the file has bytes.
+What is read must be as pockmark writes it: numbers that lie in the file itself, plain or in compressed pieces. So no link,
+no external or virtual storage and no other filter is followed, and a declared shape cannot ask for more memory than the file's
+bytes can hold.
 """
 
 import io
@@ -9,6 +10,7 @@ import math
 import os
 import zlib
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -22,6 +24,11 @@ from ..base.files import open_regular, reason, replaced
 
 VERSION = "v108"  # the first of HDF5's formats in which its own tables have check sums
 SUM = "crc32"
+PIECE = (
+    2**18
+)  # bytes that are compressed as one: enough of them for all cores, each of a size that compresses well
+LEVEL = 1  # of deflate: higher ones take twice the time for a twentieth of the size
+MOST_DEFLATED = 1032  # bytes that deflate can make of one
 
 
 @contextmanager
@@ -91,12 +98,42 @@ def opened(path: Path, damaged: str, lead: str = "") -> Iterator[tuple[h5py.File
         os.close(descriptor)
 
 
-def put(group: h5py.Group, name: str, values: NDArray[Any], unit: str = "") -> None:
-    """Write a dataset with the check sum of its bytes, and with its unit if it has one."""
-    attributes = group.create_dataset(name, data=values).attrs
+def put(group: h5py.Group, name: str, values: NDArray[Any], unit: str = "", *, packed: bool = False) -> None:
+    """Write a dataset with the check sum of its bytes, and with its unit if it has one; `packed`: compressed."""
+    dataset = put_packed(group, name, values) if packed else group.create_dataset(name, data=values)
+    attributes = dataset.attrs
     attributes[SUM] = np.uint32(sum_of(values))
     if unit:
         attributes["units"] = unit
+
+
+def put_packed(group: h5py.Group, name: str, values: NDArray[Any]) -> h5py.Dataset:
+    """Write a dataset by HDF5's filters shuffle and deflate, which every reader has; the cores share the work."""
+    if not values.size:
+        return group.create_dataset(name, data=values)
+    rows = min(len(values), max(1, PIECE // values[:1].nbytes))
+    dataset = group.create_dataset(
+        name,
+        shape=values.shape,
+        dtype=values.dtype,
+        chunks=(rows, *values.shape[1:]),
+        shuffle=True,
+        compression=LEVEL,
+    )
+    starts = range(0, len(values), rows)
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        pieces = pool.map(lambda start: _packed(values[start : start + rows], rows), starts)
+        for start, piece in zip(starts, pieces, strict=True):
+            dataset.id.write_direct_chunk((start, *[0] * (values.ndim - 1)), piece)
+    return dataset
+
+
+def _packed(values: NDArray[Any], rows: int) -> bytes:
+    """Return a piece of so many rows as HDF5 keeps it: the first bytes of all numbers, then the second ones, deflated."""
+    piece = np.zeros((rows, *values.shape[1:]), values.dtype)
+    piece[: len(values)] = values
+    by_number = piece.view(np.uint8).reshape(-1, values.dtype.itemsize)
+    return zlib.compress(np.ascontiguousarray(by_number.T), LEVEL)
 
 
 def sum_of(values: NDArray[Any]) -> int:
@@ -112,7 +149,7 @@ def group_in(parent: h5py.Group, name: str) -> h5py.Group:
 
 
 def dataset_in(root: h5py.Group, place: str, size: int) -> h5py.Dataset:
-    """Return a dataset whose bytes all lie in the file itself, in one piece.
+    """Return a dataset whose bytes all lie in the file itself, as put() has written them.
 
     `size` is that of the file, bytes. Raises PockmarkError.
     """
@@ -122,11 +159,19 @@ def dataset_in(root: h5py.Group, place: str, size: int) -> h5py.Dataset:
     found = _own(root, name)
     if not isinstance(found, h5py.Dataset) or found.shape is None:
         raise PockmarkError(f"{place} is missing or no dataset")
-    layout = found.id.get_create_plist()
-    if layout.get_layout() != h5py.h5d.CONTIGUOUS or layout.get_external_count():
-        raise PockmarkError(f"{place} is not stored as pockmark stores it, in one piece")
-    bytes_needed, start = math.prod(found.shape) * found.dtype.itemsize, found.id.get_offset()
-    if bytes_needed and (start is None or start + bytes_needed > size):
+    layout, needed = found.id.get_create_plist(), math.prod(found.shape) * found.dtype.itemsize
+    filters = [layout.get_filter(n)[0] for n in range(layout.get_nfilters())]
+    if layout.get_layout() == h5py.h5d.CONTIGUOUS and not layout.get_external_count():
+        start = found.id.get_offset()
+        is_whole = not needed or (start is not None and start + needed <= size)
+    elif layout.get_layout() == h5py.h5d.CHUNKED and filters == [
+        h5py.h5z.FILTER_SHUFFLE,
+        h5py.h5z.FILTER_DEFLATE,
+    ]:
+        is_whole = needed <= MOST_DEFLATED * min(found.id.get_storage_size(), size)
+    else:
+        raise PockmarkError(f"{place} is not stored as pockmark stores it")
+    if not is_whole:
         raise PockmarkError(f"{place} is cut off")
     return found
 

@@ -1,4 +1,7 @@
-"""history.csv: a row of numbers for each time at which a run notes its state."""
+"""history.csv: a row of numbers for each time at which a run notes its state.
+
+A column is called by its name and its unit: `kinetic [J]`; what has no unit, by its name alone. Readers take the names.
+"""
 
 import csv
 import io
@@ -14,9 +17,12 @@ from numpy.typing import NDArray
 
 from ..base.errors import PockmarkError
 from ..base.files import open_regular, told
+from ..base.ledger import LEDGER
+from ..base.ledger import unit_of as unit_in_ledger
 
 LARGEST = 2**30  # bytes; a scene may ask for a million rows, which have fewer
 LONGEST_LINE = 2**16
+OWN_UNITS = {"time": "s", "depth": "m"}
 
 
 @dataclass(frozen=True)
@@ -35,6 +41,11 @@ class Rows:
         return {name: float(values[-1]) for name, values in self.columns.items()}
 
 
+def unit_of(name: str) -> str:
+    """Return the unit of a column, "1" for a number without one."""
+    return unit_in_ledger(name) if name in LEDGER else OWN_UNITS.get(name, "1")
+
+
 def append_row(path: Path, row: Mapping[str, float]) -> None:
     """Add a row, whole or not at all. The first one brings the header. Raises PockmarkError."""
     descriptor = open_regular(path, os.O_WRONLY | os.O_CREAT | os.O_APPEND)
@@ -43,13 +54,19 @@ def append_row(path: Path, row: Mapping[str, float]) -> None:
         text = io.StringIO()
         writer = csv.writer(text)
         if size == 0:
-            writer.writerow(row)
+            writer.writerow(map(_title, row))
         writer.writerow(row.values())
         try:
             _write_all(file, text.getvalue().encode())
         except OSError:
             os.ftruncate(descriptor, size)
             raise
+
+
+def _title(name: str) -> str:
+    """Return a column's name with its unit, if it has one."""
+    unit = unit_of(name)
+    return name if unit == "1" else f"{name} [{unit}]"
 
 
 def read_rows(path: Path, *, torn_end: bool = False) -> Rows:
@@ -62,7 +79,8 @@ def read_rows(path: Path, *, torn_end: bool = False) -> Rows:
         if os.fstat(descriptor).st_size > LARGEST:
             raise PockmarkError(f"{path}: has more than {LARGEST:,} bytes, which no history needs")
         lines = _lines(file)
-        names = next(lines, "").rstrip("\r\n").split(",")
+        titles = next(lines, "").rstrip("\r\n").split(",")
+        names = [title.partition(" [")[0] for title in titles]
         if len(set(names)) < len(names):
             raise PockmarkError(f"{path}: has two columns of one name")
         values = array("d")

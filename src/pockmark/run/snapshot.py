@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .. import _core
 from ..base.errors import PockmarkError
 from ..metrology.stress import effective_stress
-from .hdf5 import SUM, dataset_in, group_in, opened, put, values_of, written
+from .hdf5 import SUM, dataset_in, group_in, opened, put, put_packed, values_of, written
 
 FILE = re.compile(r"snapshot-(\d{1,9})\.vtkhdf")
 COMPONENTS = {str(field["name"]): int(field["components"]) for field in _core.fields()}
@@ -23,6 +23,16 @@ NEEDED = ("position", "velocity", "mass", "volume", "deviator", "pressure", "bod
 DERIVED = {
     "deviator": ("effective_stress", "Pa", effective_stress)
 }  # what follows from a field and is written beside it
+# Kept in single precision: what is looked at, and of which no sum is taken that must close.
+ROUNDED = (
+    "deviator",
+    "effective_stress",
+    "pressure",
+    "viscosity",
+    "temperature",
+    "plastic_strain",
+    "damage",
+)
 NO_SNAPSHOT = "is not a snapshot of pockmark's"
 HASH = "scene_hash"  # attribute: the hash of the points' scene
 
@@ -102,22 +112,27 @@ def _write_vtkhdf(file: h5py.File, fields: Mapping[str, NDArray[Any]], time_s: f
     n = len(fields["position"])
     for name, count in (("NumberOfPoints", n), ("NumberOfCells", n), ("NumberOfConnectivityIds", n)):
         root.create_dataset(name, data=np.array([count], dtype=np.int64))
-    put(root, "Points", fields["position"], UNITS["position"])
-    root.create_dataset("Connectivity", data=np.arange(n, dtype=np.int64), compression=1, shuffle=True)
-    root.create_dataset("Offsets", data=np.arange(n + 1, dtype=np.int64), compression=1, shuffle=True)
-    root.create_dataset("Types", data=np.full(n, 1, dtype=np.uint8), compression=1, shuffle=True)
+    put(root, "Points", fields["position"], UNITS["position"], packed=True)
+    put_packed(root, "Connectivity", np.arange(n, dtype=np.int64))
+    put_packed(root, "Offsets", np.arange(n + 1, dtype=np.int64))
+    put_packed(root, "Types", np.full(n, 1, dtype=np.uint8))
     data = root.create_group("PointData")
     for name in fields:
         if name == "position":
             continue
         values = fields[name]  # asked for once: a simulation copies a field each time
-        put(data, name, values, UNITS[name])
+        put(data, name, _enough(name, values), UNITS[name], packed=True)
         if name in DERIVED:
             derived, unit, compute = DERIVED[name]
-            put(data, derived, compute(values), unit)
+            put(data, derived, _enough(derived, compute(values)), unit, packed=True)
     extra = root.create_group("FieldData")
     put(extra, "time", np.array([time_s]), "s")
     put(extra, "step", np.array([step], dtype=np.int64), "1")
+
+
+def _enough(name: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Return a field in the precision that it is kept in."""
+    return values.astype(np.float32) if name in ROUNDED else values
 
 
 def _hash(root: h5py.Group) -> str | None:

@@ -16,8 +16,8 @@ NUMBERS_PER_NODE, BYTES_PER_NODE = 16, 4
 BYTES_PER_POINT_WRITTEN = 72
 BYTES_PER_POINT_MEASURED = 140  # when the core is gone: the fields that are read, and the crater's arrays
 RUNNING, DRAWING = 148 * 2**20, 180 * 2**20  # bytes: Python and the libraries; the same with matplotlib
-# On the disk, whatever the precision:
-BYTES_PER_POINT_KEPT = 174  # in a snapshot
+# On the disk, in a snapshot once everything moves; before, and where much stays at rest, it compresses to less.
+BYTES_PER_POINT_KEPT = {"double": 82, "single": 69}
 BYTES_PER_ROW = 450  # in the history
 NUMBERS_IN_CHECKPOINT = 20  # for a point
 BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 300_000
@@ -34,7 +34,7 @@ class Forecast:
     cells: int
     steps: int
     memory: float  # bytes: the peak of `pockmark run`, its measuring and drawing included
-    disk: float  # bytes of the run folder
+    disk: float  # bytes of the run folder, at most
     seconds: float
     cells_across: float | None  # how many cells lie across the smallest projectile
     impact: tuple[tuple[str, str], ...] = ()  # what hits, and how hard: names and values
@@ -91,13 +91,13 @@ def _peak(scene: Scene, points: int) -> float:
 
 
 def _disk(scene: Scene, points: int) -> float:
-    """Return the size of the run folder, bytes, if no point leaves the grid."""
+    """Return the largest size of the run folder, bytes: no point leaves the grid, and everything moves from the start."""
     # Where the interval divides the end time, the last ones are those at the end.
     snapshots, rows = (
         1 + math.ceil(scene.end_time / interval - 1e-9)
         for interval in (scene.output.snapshots, scene.output.history)
     )
-    kept = snapshots * (points * BYTES_PER_POINT_KEPT + BYTES_PER_SNAPSHOT)
+    kept = snapshots * (points * BYTES_PER_POINT_KEPT[scene.numerics.precision] + BYTES_PER_SNAPSHOT)
     if scene.output.checkpoints:  # the last one stays
         kept += points * (NUMBERS_IN_CHECKPOINT * (8 if scene.numerics.precision == "double" else 4) + 10)
     return kept + rows * BYTES_PER_ROW + BYTES_OF_PICTURES
