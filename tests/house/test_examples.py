@@ -18,7 +18,7 @@ from pockmark.cli import app
 from pockmark.study.campaign import cases, load
 
 ROOT = Path(__file__).parents[2]
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^ *```(\w*)\n(.*?)^ *```$", re.M | re.S)
 # What makes the README's scene one of seconds. The cells stay: what a command asks for must go with them.
 SMALL = (
