@@ -315,9 +315,16 @@ def test_a_run_killed_before_its_first_checkpoint_begins_anew(stopped, wholes):
     assert differences(wholes("double"), stopped) == []
 
 
-@pytest.mark.parametrize("number", [0, 9999])
+@pytest.mark.parametrize("number", ["0000", "9999", "that of the next", "that of the newest"])
 def test_a_folder_named_as_a_checkpoint_is_none(number, stopped, wholes):
-    (stopped / f"checkpoint-{number:04d}.h5").mkdir()
+    newest = checkpoints(stopped)[-1]
+    match number:
+        case "that of the next":
+            number = f"{int(newest.stem[-4:]) + 1:04d}"
+        case "that of the newest":
+            newest.unlink()
+            number = newest.stem[-4:]
+    (stopped / f"checkpoint-{number}.h5").mkdir()
     assert resume(stopped).is_finished
     assert differences(wholes("double"), stopped) == []
 
