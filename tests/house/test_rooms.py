@@ -11,6 +11,7 @@ import pockmark
 
 ROOT = Path(__file__).parents[2]
 PACKAGE = ROOT / "src" / "pockmark"
+ROOMS = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
 
 
 def drawn():
@@ -26,11 +27,17 @@ def imported():
     for path in PACKAGE.rglob("*.py"):
         module = path.relative_to(PACKAGE).with_suffix("").parts
         for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.ImportFrom) and node.level == len(module) and node.module:
-                other = node.module.split(".")[0]
-                if other != module[0] and not other.startswith("_"):
-                    found[module[0], other] = path.name
-            assert not (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("pockmark")), path
+            if isinstance(node, ast.Import):
+                named = [alias.name for alias in node.names]
+                assert not any(name.split(".")[0] == "pockmark" for name in named), path
+            if not isinstance(node, ast.ImportFrom):
+                continue
+            assert not (node.module or "").startswith("pockmark"), path
+            if node.level == len(module):
+                others = [node.module] if node.module else [alias.name for alias in node.names]
+                for other in (name.split(".")[0] for name in others):
+                    if other != module[0] and (node.module or other in ROOMS) and not other.startswith("_"):
+                        found[module[0], other] = path.name
     return {pair: name for pair, name in found.items() if len(pair[0]) and not pair[0].startswith("_")}
 
 
@@ -44,9 +51,8 @@ def below(room, arrows):
 
 def test_the_rooms_are_as_they_are_drawn():
     arrows, found = drawn(), imported()
-    rooms = {path.parent.name for path in PACKAGE.glob("*/__init__.py")}
-    assert {room for pair in arrows for room in pair} == rooms
-    assert not [room for room in rooms if room in below(room, arrows)], "the arrows lead round"
+    assert {room for pair in arrows for room in pair} == ROOMS
+    assert not [room for room in ROOMS if room in below(room, arrows)], "the arrows lead round"
     for (room, other), file in found.items():
         assert other in below(room, arrows), f"{room}/{file} imports {other}, to which no arrow leads"
         assert room not in below(other, arrows), f"{room} and {other} import each other"

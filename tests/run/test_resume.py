@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from kills import differences, trial, whole
 
-from pockmark import PockmarkError, Scene, resume_run, run_scene
+from pockmark import PockmarkError, Scene, _core, resume_run, run_scene
 from pockmark.run import checkpoint as format_of
 from pockmark.run import keeper, pipeline
 from pockmark.run.checkpoint import read_checkpoint, write_checkpoint
@@ -315,9 +315,16 @@ def test_a_run_killed_before_its_first_checkpoint_begins_anew(stopped, wholes):
     assert differences(wholes("double"), stopped) == []
 
 
-@pytest.mark.parametrize("number", [0, 9999])
+@pytest.mark.parametrize("number", ["0000", "9999", "that of the next", "that of the newest"])
 def test_a_folder_named_as_a_checkpoint_is_none(number, stopped, wholes):
-    (stopped / f"checkpoint-{number:04d}.h5").mkdir()
+    newest = checkpoints(stopped)[-1]
+    match number:
+        case "that of the next":
+            number = f"{int(newest.stem[-4:]) + 1:04d}"
+        case "that of the newest":
+            newest.unlink()
+            number = newest.stem[-4:]
+    (stopped / f"checkpoint-{number}.h5").mkdir()
     assert resume(stopped).is_finished
     assert differences(wholes("double"), stopped) == []
 
@@ -333,6 +340,16 @@ def test_another_core_is_told(stopped, monkeypatch):
     (told,) = resume(stopped).told
     print(told)
     assert "goes on by another, cpu driver: the last digits may differ" in told
+
+
+@pytest.mark.skipif(_core.DRIVER == "plain", reason="is about another driver")
+def test_a_run_of_the_plain_driver_goes_on_with_it_alone(tmp_path):
+    """Its checkpoints have no order of the points, which the other one needs."""
+    changes = [word for change in (*SHORT, "end_time='2 ns'") for word in ("--set", change)]
+    command = [sys.executable, "-m", "pockmark", "run", QUICK, "-o", tmp_path / "run", "--coarse", "--quiet"]
+    plain = os.environ | {"POCKMARK_DRIVER": "plain"}
+    subprocess.run([*command, *changes], check=False, capture_output=True, env=plain)
+    assert refusal(tmp_path / "run", end_time=4e-9).endswith("it goes on with POCKMARK_DRIVER=plain")
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ class Checkpoint:
     """The state of a run, and how far its folder was.
 
     `time` is in s. `course` is the hash of the scene without its end. `acted` has how often each task had acted,
-    `tasks` their states, `files` what `RunFolder.extent` gave, `parts` what `Simulation.save` gave.
+    `tasks` their states, `files` what `extent_of` gave, `parts` what `Simulation.save` gave.
     """
 
     step: int

@@ -44,6 +44,8 @@ class Keeper:
         if not self._interval or simulation.steps == self._step:
             return
         number = 1 + max(_numbered(self._folder.path).values(), default=-1)
+        while (path := self._folder.path / f"checkpoint-{number:04d}.h5").is_dir():
+            number += 1
         state = Checkpoint(
             step=simulation.steps,
             time=simulation.time,
@@ -54,9 +56,9 @@ class Keeper:
             core=core_name(),
             parts=simulation.save(),
         )
-        write_checkpoint(self._folder.path / f"checkpoint-{number:04d}.h5", state)
-        for path in checkpoints(self._folder.path)[:-KEPT]:
-            remove(path)
+        write_checkpoint(path, state)
+        for older in checkpoints(self._folder.path)[:-KEPT]:
+            remove(older)
         self._last, self._step = time.monotonic(), simulation.steps
 
     def finish(self) -> None:

@@ -96,6 +96,7 @@ def resume_run(
             scene = _to_the_end(folder, end_time)
             begun, damaged = _beginning(folder, scene)
             _require_tasks(folder, begun, len(tasks))
+            _require_driver(folder, begun)
             told = [*damaged.values(), *_differences(folder, begun)]
             simulation = Simulation(scene, threads, parts=begun.parts if begun else None)
             stop_if_asked()  # before anything is taken off
@@ -115,6 +116,15 @@ def _require_tasks(folder: RunFolder, begun: Checkpoint | None, number: int) -> 
         raise PockmarkError(
             f"{folder.path}: was run with tasks of its own, {had} of them, found {number}: go on in Python, with "
             "resume_run(path, tasks=...)"
+        )
+
+
+def _require_driver(folder: RunFolder, begun: Checkpoint | None) -> None:
+    """Raise PockmarkError where a run of the plain driver, which keeps no order of points, would go on with another."""
+    plain = "plain driver"
+    if begun and begun.core.endswith(plain) and not core_name().endswith(plain):
+        raise PockmarkError(
+            f"{folder.path}: was computed by {begun.core}: it goes on with POCKMARK_DRIVER=plain"
         )
 
 
