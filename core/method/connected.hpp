@@ -1,5 +1,5 @@
-// Which points are connected to others: those that are intact, and those that have failed where their cells
-// are at least half full. The rest are free to fly.
+// Which points are connected to others: those that are solid, and those that are not, for they have failed or
+// opened to a vapour, where their cells are at least half full. The rest are free to fly.
 #pragma once
 #include <vector>
 
@@ -8,6 +8,10 @@
 #include "machine.hpp"
 
 namespace pockmark {
+
+// No solid opens to this V/V0: spall parts it at some hundredths.
+template <class T>
+inline constexpr T vapour_ratio = T(1.5);
 
 template <class Driver, class Shape>
 class Connected {
@@ -20,14 +24,14 @@ class Connected {
   // Looks for them; `nodes` is an array that is free.
   void find(Momentum<T> nodes) {
     is_.assign(driver_.points().count, T(1));
-    if (!has_failed_points()) return;
+    if (!has_loose_points()) return;
     find_filling(nodes);
     driver_.for_each_awake_block([&](int, const Block& block) {
       Columns<T, 3> filling;
       gather_values<Shape, V>(driver_.points(), block, filling,
                               [&](auto& patch, const Bundle& bundle) { patch.load(grid_, bundle, nodes); });
       for (std::size_t p = block.begin; p < block.end; ++p)
-        is_[p] = T(!has_failed(p) || T(0.5) <= filling.at[0][p - block.begin]);
+        is_[p] = T(!is_loose(p) || T(0.5) <= filling.at[0][p - block.begin]);
     });
   }
   bool has(std::size_t p) const { return is_[p] > T(0); }
@@ -37,12 +41,15 @@ class Connected {
   }
 
  private:
-  bool has_failed(std::size_t p) const { return T(1) <= driver_.points().at(Field::damage)[p]; }
-  bool has_failed_points() const {
+  bool is_loose(std::size_t p) const {
+    const auto& points = driver_.points();
+    return T(1) <= points.at(Field::damage)[p] || vapour_ratio<T> - T(1) < points.at(Field::dilation)[p];
+  }
+  bool has_loose_points() const {
     std::vector<std::uint8_t> found(driver_.slots());
     driver_.for_each_awake_block([&](int slot, const Block& block) {
       for (std::size_t p = block.begin; p < block.end; ++p)
-        if (has_failed(p)) found[slot] = 1;
+        if (is_loose(p)) found[slot] = 1;
     });
     return std::ranges::any_of(found, [](std::uint8_t one) { return one != 0; });
   }

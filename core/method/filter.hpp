@@ -222,7 +222,9 @@ class Filter {
       const auto of_acting = [&](V value) PM_INLINE { return select(acts, value, V(0)); };
       const auto point = points.template state<V>(p, n);
       const V pressure = point.pressure, unseen = pressure - seen.template load<V>(1, i);
-      const V fall = share * unseen;
+      // What has failed bears no tension that its pressure could fall to; open, it has none that could rise.
+      const V least = select(V(0) < pressure, share * unseen, V(0));
+      const V fall = select(V(1) <= point.damage, min(least, pressure), share * unseen);
       const V growth = of_acting(fall * compliance(material, point, fall));
       // The pressure falls by the share of what is unseen: its mean does the work.
       const V work = of_acting((pressure - V(T(0.5)) * fall) * growth);

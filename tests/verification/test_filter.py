@@ -16,6 +16,7 @@ from pockmark.scene.identity import hash_of
 
 H = 1e-6
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
+GALLERY = Path(__file__).parents[2] / "docs" / "gallery"
 FILTER = ("numerics.filter.interval=5",)
 SHAPES = pytest.mark.parametrize("shape", ["trilinear", "quadratic"])
 INSTANT = 1e-25  # s: a step in which nothing happens but the filter
@@ -138,6 +139,30 @@ def test_unseen_pressure_relaxes_and_its_energy_stays_in_the_cells():
     assert abs(ledger["internal"] - (energy * (H / 2) ** 3).sum()) < 1e-12 * ledger["internal"]
     assert ledger["filtered"] == pytest.approx((work * (H / 2) ** 3).sum(), rel=1e-5)
     assert ledger["filtered"] > 0
+
+
+def test_an_open_failed_point_has_no_pressure_that_could_change():
+    """Every other point has failed and is open, between others under pressure and in tension: it keeps volume and energy."""
+    x = (2 + 4 * np.random.default_rng(3).random((600, 3))) * H
+    failed = np.arange(len(x)) % 2 == 0
+    for pressure in (1e9, -1e9):
+        s, order = still(
+            x, (0, 0, 0), filtering=(1, 0, 0.5), pressure=np.where(failed, 0.0, pressure), damage=1.0 * failed
+        )
+        volume = s.field("volume")[order] / (H / 2) ** 3
+        moved = np.abs(volume - 1)
+        print(f"{pressure:g} Pa: failed {moved[failed].max():.1e}, others {moved[~failed].max():.1e}")
+        assert moved[failed].max() < 1e-12
+        assert moved[~failed].max() > 1e-4
+
+
+@pytest.mark.parametrize("speed", ["8 km/s", "12 km/s"])
+def test_debris_of_a_fast_impact_gives_no_energy_away(speed):
+    """It opens to a vapour, or fails: the filter took energy of it until none was left, and the step fell to nothing."""
+    impact = (f"impact.speed='{speed}'", "end_time='26 ns'")
+    simulation = Simulation(Scene.load(GALLERY / "09-tillotson.toml", impact), 1)
+    simulation.run()
+    assert simulation.counters()["negative_energies"] == 0
 
 
 def test_a_long_wave_of_pressure_is_left_alone():
