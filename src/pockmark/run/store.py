@@ -33,6 +33,8 @@ OWN_FILES = (
     SERIES,
     "checkpoint-*.h5",
     "crater.png",
+    "fields.png",
+    "top.png",
     "history.png",
     MANIFEST,
 )
