@@ -36,6 +36,9 @@ OWN_FILES = (
     "fields.png",
     "top.png",
     "history.png",
+    "view.png",
+    "view.gif",
+    "view.mp4",
     MANIFEST,
 )
 UNENDED = ("running", "killed")

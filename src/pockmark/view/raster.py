@@ -179,9 +179,9 @@ class Raster:
     @cached_property
     def filling(self) -> Array:
         """Return the share of the plane that the points fill, by tents of a point spacing."""
-        return self._filling(self.cut.spacing)
+        return self.filled(self.cut.spacing)
 
-    def _filling(self, width: float) -> Array:
+    def filled(self, width: float) -> Array:
         """Return the share of the plane that the points fill, by tents of a width (um)."""
         return self._spread(self.cut.area / (self._nodes(width) * self.pixel) ** 2, width)
 
@@ -192,7 +192,7 @@ class Raster:
         Half of what is as wide as a point spacing, or as a cell: the points of a stretched wall lie that far apart. A
         gap narrower than a spacing is none. One narrower than a cell is none within material. What is wider is air.
         """
-        filled = (self.filling > HALF) | (self._filling(self.cut.cell) > HALF)
+        filled = (self.filling > HALF) | (self.filled(self.cut.cell) > HALF)
         solid = _closed(filled | self._loose, self._nodes(self.cut.spacing) / 2)
         within = ndimage.binary_fill_holes(solid) & ~solid
         return np.asarray(solid | (_closed(solid, self._nodes(self.cut.cell) / 2) & within))
@@ -205,7 +205,7 @@ class Raster:
         seen = cut.touches & ((pixel >= 0) & (pixel < painted.shape)).all(axis=1)
         pixel, radius = pixel[seen], np.round(cut.width[seen] / 2 / self.pixel)
         around = tuple(pixel.T)
-        alone = (self.filling[around] <= HALF) | (self._filling(self.cut.cell)[around] <= HALF / 2)
+        alone = (self.filling[around] <= HALF) | (self.filled(self.cut.cell)[around] <= HALF / 2)
         pixel, radius = pixel[alone], radius[alone]
         for one in np.unique(radius):
             centres = np.ones(painted.shape, dtype=bool)
@@ -214,16 +214,16 @@ class Raster:
         return painted
 
     def share(self, of: NDArray[np.bool_]) -> Array:
-        """Return the share of the material around each pixel that is of some points (n,); 0 in the air."""
+        """Return the share of what is around each pixel that is of some points (n,); of the nearest in the air."""
         mine, all_of_it = (
             self._spread(self.cut.area * part, self.cut.spacing) for part in (of, np.ones(len(of)))
         )
-        return np.where(self.material, self._mean(mine, all_of_it), 0.0)
+        return mean_of(mine, all_of_it)
 
     @cached_property
     def projectile(self) -> Array:
         """Return the share of the projectile in the material around each pixel; 0 in the air."""
-        return self.share(self.cut.is_projectile)
+        return np.where(self.material, self.share(self.cut.is_projectile), 0.0)
 
     def field(self, values: Array) -> np.ma.MaskedArray[Any, Any]:
         """Return the mean by mass of values (n,) within a cell's width, masked in the air.
@@ -240,19 +240,19 @@ class Raster:
             self._spread(mass * what, self.cut.cell)
             for what in (np.where(is_number, values, 0.0), np.ones(len(mass)))
         )
-        return np.ma.masked_array(self._mean(amount, weight), ~self.material)
+        return np.ma.masked_array(mean_of(amount, weight), ~self.material)
 
-    @staticmethod
-    def _mean(amount: Array, weight: Array) -> Array:
-        """Return amounts over weights; where there is no weight, what is nearest."""
-        some = weight > 1e-12 * weight.max(initial=0.0)
-        if not some.any():
-            return np.zeros_like(weight)
-        mean = np.divide(amount, weight, out=np.zeros_like(weight), where=some)
-        if some.all():
-            return mean
-        nearest = ndimage.distance_transform_edt(~some, return_distances=False, return_indices=True)
-        return np.asarray(mean[tuple(nearest)])
+
+def mean_of(amount: Array, weight: Array) -> Array:
+    """Return amounts over weights; where there is no weight, what is nearest."""
+    some = weight > 1e-12 * weight.max(initial=0.0)
+    if not some.any():
+        return np.zeros_like(weight)
+    mean = np.divide(amount, weight, out=np.zeros_like(weight), where=some)
+    if some.all():
+        return mean
+    nearest = ndimage.distance_transform_edt(~some, return_distances=False, return_indices=True)
+    return np.asarray(mean[tuple(nearest)])
 
 
 def _closed(solid: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
