@@ -1,5 +1,7 @@
 """The way from a run folder to its pictures."""
 
+import gc
+from collections.abc import Callable
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -37,17 +39,22 @@ def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
     title += f" ({status})" if status in UNENDED else ""
     surface = surface_in(snapshot, setup)
     crater, has_hole = results.crater_of(surface, setup.heading), results.hole_of(surface) is not None
-    figures = {
-        "crater.png": slice_figure(snapshot, setup, crater=crater, title=title, is_perforated=has_hole),
-        "fields.png": fields_figure(snapshot, setup, crater=crater, title=title, is_perforated=has_hole),
-        "top.png": top_figure(surface, snapshot, setup, crater=crater, title=title),
-        "history.png": history_figure(folder.history(*HISTORY_COLUMNS)),
+    figures: dict[str, Callable[[], Figure]] = {
+        "crater.png": lambda: slice_figure(
+            snapshot, setup, crater=crater, title=title, is_perforated=has_hole
+        ),
+        "fields.png": lambda: fields_figure(
+            snapshot, setup, crater=crater, title=title, is_perforated=has_hole
+        ),
+        "top.png": lambda: top_figure(surface, snapshot, setup, crater=crater, title=title),
+        "history.png": lambda: history_figure(folder.history(*HISTORY_COLUMNS)),
     }
     with told(target):
         target.mkdir(parents=True, exist_ok=True)
-    for name, figure in figures.items():
+    for name, figure in figures.items():  # made one at a time: each takes some memory
         with replaced(target / name) as descriptor, open(descriptor, "wb", closefd=False) as file:
-            figure.savefig(file, format="png", dpi=150)
+            figure().savefig(file, format="png", dpi=130, pil_kwargs={"optimize": True})
+        gc.collect()  # a figure and its parts refer to one another
     return [target / name for name in figures]
 
 

@@ -34,7 +34,9 @@ def plain_axes(figure: Figure, x: str, y: str) -> Axes:
     return axes
 
 
-def draw_lines(axes: Axes, lines: Iterable[NDArray[np.floating]], style: str = "k-") -> None:
+def draw_lines(
+    axes: Axes, lines: Iterable[NDArray[np.floating]], style: str = "k-", label: str | None = None
+) -> None:
     """Draw lines (n, 2), m, of a surface in a plane, in um."""
     for line in lines:
-        axes.plot(*(np.asarray(line).T / UM), style, linewidth=0.8)
+        axes.plot(*(np.asarray(line).T / UM), style, linewidth=0.8, label=label)

@@ -1,14 +1,16 @@
 """One panel of a picture: a raster in colours, the outlines of material and projectile, what was measured."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from ..base.errors import shown
 from ..base.geometry import Setup
@@ -39,7 +41,7 @@ def show_quantity(axes: Axes, raster: Raster, quantity: Quantity, span: Normaliz
         origin="lower",
         interpolation="nearest",
     )
-    _restore(axes, raster)
+    _outlined(axes, raster)
     return image
 
 
@@ -62,26 +64,22 @@ def show_bodies(axes: Axes, raster: Raster, setup: Setup) -> None:
             raster.x, raster.z, share.T, levels=[0.5, 2.0], colors="none", hatches=["//////"]
         )
         hatched.set(edgecolor="black", linewidth=0.0)
-    _restore(axes, raster)
+    _outlined(axes, raster)
 
 
-def _restore(axes: Axes, raster: Raster) -> None:
-    """Outline material and projectile, and dot the original surface. The limits stay."""
-    outline(axes, raster.x, raster.z, raster.material, thin=True)
-    outline(axes, raster.x, raster.z, raster.projectile > 0.5)
+def _outlined(axes: Axes, raster: Raster) -> None:
+    """Outline material and projectile, and dot the original surface."""
+    material, projectile = raster.edges
+    axes.add_collection(LineCollection(material, colors="black", linewidths=0.6), autolim=False)
+    outline(axes, projectile)
     axes.axhline(0.0, color="black", linestyle=":", linewidth=0.8)
 
 
-def outline(axes: Axes, x: Array, y: Array, inside: NDArray[np.bool_], *, thin: bool = False) -> None:
-    """Draw the edge of what is inside, (nx, ny): a thin dark line, or a dark one within a white one."""
-    if min(inside.shape) < 2 or not inside.any() or inside.all():
-        return
-    soft = ndimage.gaussian_filter(inside.astype(np.float64), 1.0)
-    if not soft.min() < 0.5 < soft.max():
-        soft = inside.astype(np.float64)
-    lines = axes.contour(x, y, soft.T, levels=[0.5], colors="black", linewidths=0.6 if thin else EDGE)
-    if not thin:
-        lines.set(path_effects=[withStroke(linewidth=3.0 * EDGE, foreground="white")])
+def outline(axes: Axes, lines: Sequence[Array]) -> None:
+    """Draw lines (n, 2), um, dark within white: the projectile's."""
+    drawn = LineCollection(lines, colors="black", linewidths=EDGE)
+    drawn.set(path_effects=[withStroke(linewidth=3.0 * EDGE, foreground="white")])
+    axes.add_collection(drawn, autolim=False)
 
 
 def colour_bar(
@@ -100,7 +98,7 @@ def colour_bar(
     extend = {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[below, above]
     bar = figure.colorbar(image, ax=axes, extend=extend)
     bar.set_label(
-        f"{quantity.name}, {quantity.unit} (the paper's range)" if paper else told(quantity), fontsize="small"
+        f"{quantity.name}\n{quantity.unit} (the paper's range)" if paper else told(quantity), fontsize="small"
     )
 
 

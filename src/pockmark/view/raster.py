@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from skimage.measure import find_contours
 
 from ..base.geometry import Setup
 from ..metrology.section import section_area
@@ -225,6 +226,15 @@ class Raster:
         """Return the share of the projectile in the material around each pixel; 0 in the air."""
         return np.where(self.material, self.share(self.cut.is_projectile), 0.0)
 
+    @cached_property
+    def edges(self) -> tuple[list[Array], list[Array]]:
+        """Return the lines (n, 2), um, in which the material and the projectile end."""
+        corner, mine = np.array([self.x[0], self.z[0]]), self.projectile > 0.5
+        material, projectile = (
+            [corner + line * self.pixel for line in edges_of(inside)] for inside in (self.material, mine)
+        )
+        return material, projectile
+
     def field(self, values: Array) -> np.ma.MaskedArray[Any, Any]:
         """Return the mean by mass of values (n,) within a cell's width, masked in the air.
 
@@ -241,6 +251,14 @@ class Raster:
             for what in (np.where(is_number, values, 0.0), np.ones(len(mass)))
         )
         return np.ma.masked_array(mean_of(amount, weight), ~self.material)
+
+
+def edges_of(inside: NDArray[np.bool_]) -> list[Array]:
+    """Return the lines (n, 2), pixels, around what is inside (nx, ny), smoothed over a pixel."""
+    if min(inside.shape) < 2:
+        return []
+    soft = ndimage.gaussian_filter(inside.astype(np.float32), 1.0)
+    return list(find_contours(soft, 0.5))  # type: ignore[no-untyped-call]
 
 
 def mean_of(amount: Array, weight: Array) -> Array:

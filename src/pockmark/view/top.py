@@ -13,7 +13,7 @@ from ..metrology.surface import Surface, volume_fraction, with_images
 from .canvas import MARK, UM, blank, draw_lines
 from .panels import AIR, note, outline, told
 from .quantities import HEIGHT, Fields
-from .raster import Array, slice_axis, slice_plane
+from .raster import Array, edges_of, slice_axis, slice_plane
 
 
 def top_figure(
@@ -44,7 +44,8 @@ def top_figure(
     )
     bar = figure.colorbar(image, ax=axes, extend="both")
     bar.set_label(told(HEIGHT), fontsize="small")
-    outline(axes, x, y, _lining(surface, snapshot, setup) > 0.5)
+    lining = edges_of(_lining(surface, snapshot, setup) > 0.5)
+    outline(axes, [np.array([x[0], y[0]]) + line * 2 * half for line in lining])
     _mark(axes, crater, setup)
     if height.count():
         note(axes, f"height: {height.min():.4g} to {height.max():.4g} um")
