@@ -39,9 +39,14 @@ def view(monkeypatch, capsys):
     return call
 
 
-def is_drawn(image):
+def opened(path):
+    """The pixels of a picture."""
+    with Image.open(path) as image:
+        return np.asarray(image.convert("RGB"), dtype=int)
+
+
+def is_drawn(array):
     """Whether a picture has material: many pixels of many colours that are not the background."""
-    array = np.asarray(image.convert("RGB"), dtype=int)
     other = np.abs(array - array[array.shape[0] // 2, 2]).max(axis=2) > 12
     return 0.1 < other.mean() < 0.9 and len(np.unique(array[other], axis=0)) > 50
 
@@ -51,18 +56,18 @@ def test_pictures_and_an_animation_are_written(folder, view, tmp_path):
     code, printed, _ = view(folder.path, "-o", tmp_path, "--field", "speed")
     assert code == 0
     assert "view.png" in printed
-    picture = Image.open(tmp_path / "view.png")
-    assert picture.size == SIZE
+    picture = opened(tmp_path / "view.png")
+    assert picture.shape[1::-1] == SIZE
     assert is_drawn(picture)
     if (tmp_path / "view.mp4").exists():
         return
-    film = Image.open(tmp_path / "view.gif")
-    assert film.n_frames == len(folder.snapshots())
     frames = []
-    for n in range(film.n_frames):
-        film.seek(n)
-        assert is_drawn(film)
-        frames.append(np.asarray(film.convert("RGB"), dtype=int))
+    with Image.open(tmp_path / "view.gif") as film:
+        for n in range(film.n_frames):
+            film.seek(n)
+            frames.append(np.asarray(film.convert("RGB"), dtype=int))
+    assert len(frames) == len(folder.snapshots())
+    assert all(is_drawn(frame) for frame in frames)
     assert all(np.abs(b - a).max() > 50 for a, b in pairwise(frames))
 
 
@@ -75,7 +80,7 @@ def test_one_snapshot_is_not_animated(folder, view, tmp_path):
     assert code == 0
     assert "one snapshot: there is nothing to animate" in printed
     assert not [*(tmp_path / "one").glob("view.[gm]*")]
-    assert is_drawn(Image.open(tmp_path / "one" / "view.png"))
+    assert is_drawn(opened(tmp_path / "one" / "view.png"))
 
 
 def test_without_pyvista_one_sentence_says_how_to_get_it(folder, view, monkeypatch, tmp_path):

@@ -53,7 +53,7 @@ def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
         target.mkdir(parents=True, exist_ok=True)
     for name, figure in figures.items():  # made one at a time: each takes some memory
         with replaced(target / name) as descriptor, open(descriptor, "wb", closefd=False) as file:
-            figure().savefig(file, format="png", dpi=130, pil_kwargs={"optimize": True})
+            figure().savefig(file, format="png", dpi=120)
         gc.collect()  # a figure and its parts refer to one another
     return [target / name for name in figures]
 

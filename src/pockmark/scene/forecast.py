@@ -23,7 +23,7 @@ RUNNING, DRAWING = (
 BYTES_PER_POINT_KEPT = 174  # in a snapshot
 BYTES_PER_ROW = 450  # in the history
 NUMBERS_IN_CHECKPOINT = 20  # for a point
-BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 900_000
+BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 800_000
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
 CARRYING = 0.4  # steps more that one with velocities carried to the nodes takes
