@@ -148,6 +148,7 @@ def test_the_panels_fill_the_figure(snapshot, stretch):
     snapshot["position"] = snapshot["position"] * stretch
     snapshot["volume"] = snapshot["volume"] * np.prod(stretch)
     figure, panels = draw(snapshot, setup=replace(SETUP, spacing=50 * H * UM))
+    figure.draw_without_rendering()  # at the dots per inch that it has
     boxes = [axes.get_position() for axes in panels]
     blank = (1 - sum(box.height for box in boxes)) * figure.get_size_inches()[1]
     print(figure.get_size_inches(), blank, boxes[0].width)
