@@ -5,6 +5,7 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from PIL import Image
@@ -14,6 +15,7 @@ from rings import small_rings
 
 from pockmark import run_scene
 from pockmark.cli import main
+from pockmark.run.pictures import plot_run
 from pockmark.view.window import SIZE, as_gif, as_mp4
 
 
@@ -105,6 +107,20 @@ def test_a_mistake_is_one_sentence(folder, view, arguments, sentence):
     assert code == 2
     assert sentence in said
     assert said.count("\n") == 1
+
+
+def test_a_field_that_the_snapshot_lacks_is_one_sentence(folder, view, tmp_path):
+    """The pictures have the sentence in its panel; a view of it says no more than that."""
+    pytest.importorskip("pyvista")
+    lacking = tmp_path / "lacking"
+    shutil.copytree(folder.path, lacking)
+    for file in folder.snapshots():
+        with h5py.File(lacking / file.name, "a") as written:
+            del written["VTKHDF/PointData/temperature"]
+    assert all(path.exists() for path in plot_run(lacking))
+    code, _, said = view(lacking, "--off-screen", "--field", "temperature")
+    assert code == 2
+    assert said == "pockmark: the snapshot lacks the field temperature\n"
 
 
 def test_what_is_no_run_is_one_sentence(view, tmp_path):

@@ -41,7 +41,8 @@ class Quantity:
     def values(self, snapshot: Fields, which: Any = slice(None)) -> Array:
         """Return the quantity of some points in its unit. Raises PockmarkError if the snapshot lacks its field."""
         if self.field not in snapshot:
-            raise PockmarkError(f"the snapshot lacks the field {self.field}, of which {self.name} is made")
+            made = "" if self.name.replace(" ", "_") == self.field else f", of which {self.name} is made"
+            raise PockmarkError(f"the snapshot lacks the field {self.field}{made}")
         values = np.asarray(self.of(np.asarray(snapshot[self.field])[which]) / self.size, dtype=np.float64)
         return values.clip(0.0, 1.0) if self.kind == "share" else values
 
