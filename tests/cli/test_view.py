@@ -16,6 +16,7 @@ from rings import small_rings
 from pockmark import run_scene
 from pockmark.cli import main
 from pockmark.run.pictures import plot_run
+from pockmark.run.viewing import shells_of
 from pockmark.view.window import SIZE, as_gif, as_mp4
 
 
@@ -71,6 +72,24 @@ def test_pictures_and_an_animation_are_written(folder, view, tmp_path):
     assert len(frames) == len(folder.snapshots())
     assert all(is_drawn(frame) for frame in frames)
     assert all(np.abs(b - a).max() > 50 for a, b in pairwise(frames))
+
+
+def test_a_window_has_a_slider_for_the_snapshots(folder, monkeypatch):
+    """As far as it goes without a display: the window opens, and each place of the slider is drawn."""
+    pyvista = pytest.importorskip("pyvista")
+    monkeypatch.setattr(pyvista, "OFF_SCREEN", True)
+    slide, shown = pyvista.Plotter.add_slider_widget, []
+
+    def spied(self, callback, ends, **options):
+        slider = slide(self, callback, ends, **options)
+        for n in np.linspace(*ends, 3):  # GetText(2): the upper left corner
+            callback(n)
+            shown.append(self.actors["title"].GetText(2))
+        return slider
+
+    monkeypatch.setattr(pyvista.Plotter, "add_slider_widget", spied)
+    shells_of(folder.path, "speed").open()
+    assert [title.split()[-2:] for title in shown] == [["0", "ns"], ["4", "ns"], ["8", "ns"]]
 
 
 def test_one_snapshot_is_not_animated(folder, view, tmp_path):

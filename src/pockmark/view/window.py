@@ -66,10 +66,10 @@ class Shells:
             plotter.add_slider_widget(
                 lambda n: self._draw(plotter, round(n)),
                 (0, last),
-                last,
+                value=last,
                 title="snapshot",
                 fmt="%.0f",
-                event_type="always",
+                interaction_event="always",
             )
         plotter.show()
 
