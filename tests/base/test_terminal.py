@@ -166,6 +166,7 @@ def test_pictures_show_titles_and_names_as_they_are(text):
         "position": np.random.default_rng(1).uniform(-1e-5, 0, (n, 3)) * [1, 0, 1],
         "body": np.array([0, 1, 0, 1]),
         "volume": np.full(n, 1e-18),
+        "mass": np.full(n, 1e-15),
         "deviator": np.zeros((n, 6)),
         "pressure": np.zeros(n),
         "time": np.zeros(1),

@@ -128,7 +128,7 @@ def test_a_killed_run_reads_as_killed_and_is_measured_and_drawn(killed, tmp_path
     said = " ".join(re.sub("[│┃|]", " ", said).split())
     assert f"killed at {last['time'] * 1e9:.4g} ns; the last snapshot is of 0 ns" in said
     assert "a torn last row of its history is left out" in said
-    assert {path.name for path in plot_run(folder)} == {"crater.png", "history.png"}
+    assert {path.name for path in plot_run(folder)} == {"crater.png", "fields.png", "top.png", "history.png"}
     assert standing_of(folder).startswith("killed at ")
 
 

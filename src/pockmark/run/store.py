@@ -33,7 +33,12 @@ OWN_FILES = (
     SERIES,
     "checkpoint-*.h5",
     "crater.png",
+    "fields.png",
+    "top.png",
     "history.png",
+    "view.png",
+    "view.gif",
+    "view.mp4",
     MANIFEST,
 )
 UNENDED = ("running", "killed")
