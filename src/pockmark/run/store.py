@@ -34,6 +34,7 @@ OWN_FILES = (
     "checkpoint-*.h5",
     "crater.png",
     "history.png",
+    "report.html",
     MANIFEST,
 )
 UNENDED = ("running", "killed")

@@ -1,0 +1,25 @@
+// vtk.js, in the frame, draws and turns. Here its actors, one for each cut and field, are shown or hidden.
+(() => {
+  const frame = document.getElementById("crater");
+  const colour = document.getElementById("colour");
+  const cut = document.getElementById("cut");
+  const actors = JSON.parse(frame.dataset.actors);
+
+  function show() {
+    const view = frame.contentWindow.global?.renderWindow;
+    const drawn = view.getRenderers()[0].getActors();
+    drawn.forEach((actor, n) => actor.setVisibility(actors[n][0] === cut.value && actors[n][1] === colour.value));
+    document.querySelectorAll("[data-bar]").forEach((bar) => { bar.hidden = bar.dataset.bar !== colour.value; });
+    view.render();
+  }
+
+  const waiting = setInterval(() => {
+    const view = frame.contentWindow.global?.renderWindow;
+    if (!view || !view.getRenderers().length || view.getRenderers()[0].getActors().length < actors.length) return;
+    clearInterval(waiting);
+    colour.addEventListener("change", show);
+    cut.addEventListener("change", show);
+    show();
+    frame.dataset.ready = "yes";
+  }, 100);
+})();
