@@ -59,7 +59,7 @@ def meshes(surface: Surface, snapshot: Mapping[str, NDArray[Any]], setup: Setup)
     for name, axis in CUTS.items():
         solid = fraction
         if axis is not None:
-            half = nodes[axis] < _middle(surface, axis)
+            half = nodes[axis] > _middle(surface, axis)  # what a view from above x and y would have in its way
             solid = np.where(np.expand_dims(half, [a for a in range(3) if a != axis]), 0.0, fraction)
         vertices, triangles = _closed(nodes, solid)
         if len(triangles):

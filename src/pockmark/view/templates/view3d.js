@@ -5,21 +5,22 @@
   const cut = document.getElementById("cut");
   const actors = JSON.parse(frame.dataset.actors);
 
+  // The viewer leaves its window here once it has loaded.
+  const view = () => frame.contentWindow?.global?.renderWindow;
+  const drawn = () => (view()?.getRenderers() ?? []).flatMap((renderer) => renderer.getActors());
+
   function show() {
-    const view = frame.contentWindow.global?.renderWindow;
-    const drawn = view.getRenderers()[0].getActors();
-    drawn.forEach((actor, n) => actor.setVisibility(actors[n][0] === cut.value && actors[n][1] === colour.value));
+    drawn().forEach((actor, n) => actor.setVisibility(actors[n][0] === cut.value && actors[n][1] === colour.value));
     document.querySelectorAll("[data-bar]").forEach((bar) => { bar.hidden = bar.dataset.bar !== colour.value; });
-    view.render();
+    view().render();
   }
 
   const waiting = setInterval(() => {
-    const view = frame.contentWindow.global?.renderWindow;
-    if (!view || !view.getRenderers().length || view.getRenderers()[0].getActors().length < actors.length) return;
+    if (drawn().length !== actors.length) return;
     clearInterval(waiting);
     colour.addEventListener("change", show);
     cut.addEventListener("change", show);
     show();
     frame.dataset.ready = "yes";
-  }, 100);
+  }, 50);
 })();
