@@ -22,7 +22,8 @@ PAGE = "report.html"
 
 def report(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="DIR...", help="A run folder, several, or the folder of a campaign.")
+        list[Path],
+        typer.Argument(metavar="DIR...", help="A run folder, several, or the folder of a campaign."),
     ],
     output: Annotated[
         Path | None,

@@ -1,6 +1,6 @@
 """The crater as a mesh for a view in three dimensions: the target's surface, and what fields are on it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -59,7 +59,9 @@ def meshes(surface: Surface, snapshot: Mapping[str, NDArray[Any]], setup: Setup)
     for name, axis in CUTS.items():
         solid = fraction
         if axis is not None:
-            half = nodes[axis] > _middle(surface, axis)  # what a view from above x and y would have in its way
+            half = nodes[axis] > _middle(
+                surface, axis
+            )  # what a view from above x and y would have in its way
             solid = np.where(np.expand_dims(half, [a for a in range(3) if a != axis]), 0.0, fraction)
         vertices, triangles = _closed(nodes, solid)
         if len(triangles):
@@ -92,8 +94,10 @@ def _block(surface: Surface) -> tuple[list[Array], Array]:
     steps = tuple(-(-len(x) // MOST_NODES) for x in nodes)
     if max(steps) > 1:  # means, or a thin wall would come and go with its place
         whole = tuple(slice(len(x) // step * step) for x, step in zip(nodes, steps, strict=True))
-        fraction = np.asarray(block_reduce(fraction[whole], steps, np.mean))
-        nodes = [x[part].reshape(-1, step).mean(axis=1) for x, part, step in zip(nodes, whole, steps, strict=True)]
+        fraction = np.asarray(block_reduce(fraction[whole], steps, np.mean))  # type: ignore[no-untyped-call]
+        nodes = [
+            x[part].reshape(-1, step).mean(axis=1) for x, part, step in zip(nodes, whole, steps, strict=True)
+        ]
     return nodes, fraction
 
 
@@ -118,7 +122,9 @@ class _Fields:
     is_section: bool
 
     @classmethod
-    def of(cls, snapshot: Mapping[str, NDArray[Any]], setup: Setup, box: list[tuple[float, float]]) -> "_Fields":
+    def of(
+        cls, snapshot: Mapping[str, NDArray[Any]], setup: Setup, box: list[tuple[float, float]]
+    ) -> "_Fields":
         """Take the target's points within two spacings of a box, and the images of those behind mirrors."""
         room = 2 * setup.spacing
         position = np.asarray(snapshot["position"], dtype=float)
@@ -141,7 +147,9 @@ class _Fields:
         if self.is_section:
             places = np.stack([np.hypot(vertices[:, 0], vertices[:, 1]), vertices[:, 2]], axis=1)
         count = min(NEIGHBOURS, self.tree.n)
-        distance, nearest = (np.reshape(found, (len(places), count)) for found in self.tree.query(places, k=count))
+        distance, nearest = (
+            np.reshape(found, (len(places), count)) for found in self.tree.query(places, k=count)
+        )
         least = distance.min(axis=1, keepdims=True)  # far from all points the nearest counts
         weight = np.exp(-0.5 * (distance**2 - least**2) / self.width**2)
         weight /= weight.sum(axis=1, keepdims=True)
@@ -150,7 +158,7 @@ class _Fields:
 
 def _fields_of(snapshot: Mapping[str, NDArray[Any]]) -> dict[str, Array]:
     """Return the fields of FIELDS that a snapshot has, each in its unit."""
-    made = {
+    made: dict[str, Callable[[], NDArray[Any]]] = {
         "effective stress": lambda: effective_stress(snapshot["deviator"]),
         "speed": lambda: np.linalg.norm(snapshot["velocity"], axis=1),
         "damage": lambda: np.clip(snapshot["damage"], 0.0, 1.0),  # what has failed can fail no more

@@ -71,7 +71,9 @@ def _cour_palais(scene: Scene, ball: Ball, target: Material) -> Claim:
     if known.brinell is None:
         return Claim(name, None, None, "the target's Brinell hardness is not known")
     if ratio >= LEAST_RATIO:
-        return Claim(name, None, None, f"it holds for rho_p/rho_t below {LEAST_RATIO:g}, here it is {ratio:.3g}")
+        return Claim(
+            name, None, None, f"it holds for rho_p/rho_t below {LEAST_RATIO:g}, here it is {ratio:.3g}"
+        )
     sound = math.sqrt(target.bulk_modulus / target.density)
     value = cour_palais(
         scene.impact.speed,
@@ -81,7 +83,9 @@ def _cour_palais(scene: Scene, ball: Ball, target: Material) -> Claim:
         density_ratio=ratio,
         angle=scene.impact.angle,
     )
-    return Claim(name, value, value, f"Brinell hardness {known.brinell:g} ({known.source}), sound {sound:.0f} m/s")
+    return Claim(
+        name, value, value, f"Brinell hardness {known.brinell:g} ({known.source}), sound {sound:.0f} m/s"
+    )
 
 
 def _measured(quantity: str, kinds: tuple[str, str], ball: Ball, normal: float) -> Iterator[Claim]:

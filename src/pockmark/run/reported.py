@@ -1,5 +1,6 @@
 """The way from run folders to what their pages show."""
 
+import shlex
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -200,4 +201,4 @@ def _command(scene: Scene, name: str, manifest: Mapping[str, Any]) -> str:
     """Return the command that makes a run again from its scene."""
     coarse = " --coarse" if is_too_coarse(scene) else ""
     threads = f" --threads {manifest['threads']}" if isinstance(manifest.get("threads"), int) else ""
-    return f"pockmark run scene.toml -o {name}-again{threads}{coarse}"
+    return f"pockmark run scene.toml -o {shlex.quote(shown(f'{name}-again'))}{threads}{coarse}"

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from ..base.errors import PockmarkError
 from ..base.files import AnyPath, as_path, read_text
@@ -149,7 +150,7 @@ def _notes(table: Table) -> Iterator[str]:
         yield f"{count} of {len(table.rows)} runs: {text}"
 
 
-def _figures(table: Table, measures: Mapping[str, tuple[str, float]]) -> Iterator:
+def _figures(table: Table, measures: Mapping[str, tuple[str, float]]) -> Iterator[Figure]:
     """Give a figure for each swept key that is a number and has more than one value."""
     for key in table.swept:
         places = [_swept(key, row) for row in table.rows]
@@ -182,7 +183,8 @@ def _or_nan(value: float | None, size: float) -> float:
 def _slices(table: Table) -> tuple[list[tuple[str, str]], str]:
     """Return the slices of the first runs that are there, by name, and what is to be said of them."""
     beside = (table.path.parent, table.path.resolve().parent.parent)
-    found, there = [], 0
+    found: list[tuple[str, str]] = []
+    there = 0
     for row in table.rows:
         place = next((path for folder in beside if RunFolder(path := folder / row["scene"]).is_run()), None)
         if not row["scene"] or place is None:

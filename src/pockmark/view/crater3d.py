@@ -1,9 +1,9 @@
-"""The crater to turn, cut and colour, in a page that needs nothing else: PyVista's export, which has vtk.js in it."""
+"""The crater to turn, cut and colour, in a page that needs nothing else: vtk.js is in it, by trame-vtk."""
 
+import io
 import json
-from collections.abc import Mapping
-from contextlib import contextmanager
-from collections.abc import Iterator
+import zipfile
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..base.errors import PockmarkError
 from ..metrology.mesh import FIELDS, Mesh
 
-EXTRA = "PyVista and trame-pyvista are not installed: pip install 'pockmark[report]'"
+EXTRA = "PyVista and trame-vtk are not installed: pip install 'pockmark[report]'"
 MAPS = {False: "viridis", True: "coolwarm"}  # of a field with one sign, and with two
 # vtk.js asks its makers' site for an icon.
 ICON, NO_ICON = "https://kitware.github.io/vtk-js/icon/", "data:,"
@@ -48,50 +48,68 @@ class Bar:
 
 def view_3d(meshes: Mapping[str, Mesh]) -> View3d:
     """Return the view of meshes by the names of their cuts. Raises PockmarkError where PyVista or trame is missing."""
-    pyvista = _pyvista()
+    pyvista, *exporting = _libraries()
     fields = [*next(iter(meshes.values())).fields]
-    bars = tuple(_bar(name, np.concatenate([mesh.fields[name] for mesh in meshes.values()])) for name in fields)
-    with _quiet(pyvista):
-        plotter = pyvista.Plotter(off_screen=True, window_size=(800, 600))
-        plotter.set_background("white")
-        for mesh in meshes.values():
-            data = _polydata(pyvista, mesh)
-            for bar in bars:
-                data.point_data.active_scalars_name = None
-                plotter.add_mesh(
-                    data.copy(deep=False),
-                    scalars=bar.name,
-                    clim=(bar.low, bar.high),
-                    cmap=MAPS[FIELDS[bar.name].is_signed],
-                    show_scalar_bar=False,
-                    smooth_shading=False,
-                )
-        plotter.camera_position = "iso"
-        page = plotter.trame.export_html(None).getvalue()
-        plotter.close()
+    bars = tuple(
+        _bar(name, np.concatenate([mesh.fields[name] for mesh in meshes.values()])) for name in fields
+    )
+    plotter = pyvista.Plotter(off_screen=True)
+    plotter.set_background("white")
+    for mesh in meshes.values():
+        data = _polydata(pyvista, mesh)
+        for bar in bars:
+            plotter.add_mesh(
+                data.copy(deep=False),
+                scalars=bar.name,
+                clim=(bar.low, bar.high),
+                cmap=MAPS[FIELDS[bar.name].is_signed],
+                show_scalar_bar=False,
+            )
+    plotter.camera_position = "iso"
+    page = _exported(plotter.render_window, *exporting)
+    plotter.close()
     actors = json.dumps([[cut, bar.name] for cut in meshes for bar in bars])
-    return View3d(page.replace(ICON, NO_ICON), actors, tuple(meshes), bars)
+    return View3d(page, actors, tuple(meshes), bars)
 
 
-def _pyvista() -> Any:
-    """Return the module pyvista. Raises PockmarkError where it or its export of pages is missing."""
+def _exported(window: Any, serializers: Any, write_html: Callable[[bytes, io.StringIO], None]) -> str:
+    """Return a page that shows what VTK's window has.
+
+    It is what PyVista's own export gives, without the server that this starts: one that asks the network for a file.
+    """
+    serializers.initialize_serializers()
+    context = serializers.SynchronizationContext()
+    context.set_ignore_last_dependencies(True)
+    scene = serializers.serialize(None, window, serializers.reference_id(window), context, 1)
+    camera = window.GetRenderers().GetFirstRenderer().GetActiveCamera()
+    scene["extra"] = {
+        "vtkRefId": serializers.reference_id(window),
+        "centerOfRotation": camera.GetFocalPoint(),
+        "camera": serializers.reference_id(camera),
+    }
+    arrays = {
+        entry["hash"]: entry | {"content": context.get_cached_data_array(entry["hash"], False)}
+        for entry in serializers.extract_array_hash(scene)
+    }
+    packed, page = io.BytesIO(), io.StringIO()
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("index.json", json.dumps({"hashes": arrays, "scene": scene}))
+    write_html(packed.getvalue(), page)
+    return page.getvalue().replace(ICON, NO_ICON)
+
+
+def _libraries() -> tuple[Any, Any, Callable[[bytes, io.StringIO], None]]:
+    """Return PyVista, and of trame-vtk what describes a scene and what puts it into a page.
+
+    Raises PockmarkError where one is missing.
+    """
     try:
         import pyvista
-        import trame_pyvista  # noqa: F401
+        from trame_vtk.modules.vtk import serializers
+        from trame_vtk.tools.vtksz2html import write_html
     except ImportError:
         raise PockmarkError(EXTRA) from None
-    return pyvista
-
-
-@contextmanager
-def _quiet(pyvista: Any) -> Iterator[None]:
-    """Let VTK not say that there is no display: nothing is shown on one."""
-    before = pyvista.vtk_verbosity()
-    pyvista.vtk_verbosity("off")
-    try:
-        yield
-    finally:
-        pyvista.vtk_verbosity(before)
+    return pyvista, serializers, write_html
 
 
 def _polydata(pyvista: Any, mesh: Mesh) -> Any:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
@@ -30,10 +29,9 @@ def png(figure: Figure, dpi: int = 110) -> str:
 
 def frame(figure: Figure) -> Frame:
     """Return a figure as a frame of an animation."""
-    figure.set_dpi(FRAME_DPI)
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+    out = io.BytesIO()
+    figure.savefig(out, format="png", dpi=FRAME_DPI)
+    return np.asarray(Image.open(out).convert("RGB"))
 
 
 def gif(frames: Sequence[Frame]) -> str:

@@ -63,7 +63,10 @@ def compared_figure(runs: Sequence[Told]) -> Figure:
     depth, internal = figure.subplots(2, 1, sharex=True)
     unit, size = unit_for(*(float(np.nanmax(run.depth, initial=0.0)) for run in runs))
     for n, run in enumerate(runs):
-        style: dict[str, Any] = {"color": COLOURS[n % len(COLOURS)], "linestyle": LINES[n // len(COLOURS) % 4]}
+        style: dict[str, Any] = {
+            "color": COLOURS[n % len(COLOURS)],
+            "linestyle": LINES[n // len(COLOURS) % 4],
+        }
         depth.plot(run.time * 1e9, run.depth / size, **style)
         internal.plot(run.time * 1e9, run.internal, **style)
     depth.set(ylabel=f"depth of the deepest column ({unit}),\nan estimate, not $C_p$")
@@ -93,7 +96,9 @@ def _name_lines(figure: Figure, lines: Sequence[Any], names: Sequence[str]) -> N
     if not any(names):
         return
     lines, names = [*lines][:MOST_LINES], [*names][:MOST_LINES]
-    legend = figure.legend(lines, ["line"] * len(lines), loc="outside lower center", ncols=2, fontsize="small")
+    legend = figure.legend(
+        lines, ["line"] * len(lines), loc="outside lower center", ncols=2, fontsize="small"
+    )
     # The names come last, for matplotlib leaves out labels that begin with "_".
     for text, name in zip(legend.get_texts(), names, strict=True):
         text.set(text=shown(name, 60), parse_math=False)
