@@ -36,7 +36,7 @@ def comparison(paths: Sequence[AnyPath]) -> Comparison:
     tables = [parts(result) for result in results]
     lines = {"What was run": [*_lines([dict(was_run(scene)) for scene in scenes])]}
     if differing := [*_differing(scenes)]:
-        lines["Keys of the scenes that differ"] = differing
+        lines["Keys of the scenes that differ (SI)"] = differing
     for part, title in TITLES.items():
         if any(table[part] for table in tables):
             lines[title] = [*_lines([dict(_numbered(table[part])) for table in tables])]

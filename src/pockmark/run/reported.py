@@ -142,7 +142,10 @@ def _pictures(folder: RunFolder, energy: Mapping[str, Any]) -> dict[str, str]:
         plot_run(folder, place)
         read = {name: (Path(place) / f"{name}.png").read_bytes() for name in ("crater", "history")}
     bar = energy_figure(energy)
-    process = plot_process(folder) if len(folder.snapshots()) > 1 else None
+    try:
+        process = plot_process(folder) if len(folder.snapshots()) > 1 else None
+    except PockmarkError:  # of a run that was killed while it wrote one
+        process = None
     return {
         "slice": as_data("png", read["crater"]),
         "history": as_data("png", read["history"]),

@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -19,7 +20,7 @@ from ..run.store import RunFolder
 from ..view.images import png
 from ..view.many import Series, swept_figure
 from ..view.page import CampaignReport, Cell
-from .frames import FIRST, RESULTS, in_si
+from .frames import FIRST, LISTS, RESULTS, in_si
 
 QUICK = "results-quick.csv"
 LARGEST = 2**26  # bytes of a table
@@ -60,7 +61,7 @@ def campaign_report(path: Path) -> CampaignReport:
     return CampaignReport(
         title=f"campaign {path.resolve().parent.name}",
         table=path.name,
-        columns=[*table.swept, *measures, "standing", "pockmark"],
+        columns=[*table.swept, FIRST, *measures, "standing", "pockmark"],
         rows=[[*_cells(table, row, measures)] for row in table.rows],
         notes=[*_notes(table)],
         figures=[png(figure) for figure in _figures(table, measures)],
@@ -105,6 +106,7 @@ def _cells(table: Table, row: Row, measures: Mapping[str, tuple[str, float]]) ->
     """Give the cells of a row: what was swept, the measures, what the run is worth, what made it."""
     for key in table.swept:
         yield Cell(row[key], _swept(key, row))
+    yield Cell(row[FIRST])
     for key, size in measures.values():
         value = _number(row, key)
         yield Cell("-") if value is None else Cell(f"{value / size:.4g}", value)
@@ -143,6 +145,8 @@ def _notes(table: Table) -> Iterator[str]:
         for text in _texts(row, "doubts"):
             yield f"{name}: doubtful: {text}"
     said: dict[str, int] = {}
+    if missing := [name for name in LISTS if name not in table.rows[0]]:
+        yield f"the table does not say which runs have {' or '.join(missing)}: an older pockmark wrote it"
     for row in table.rows:
         for text in dict.fromkeys(_texts(row, "warnings")):
             said[text] = said.get(text, 0) + 1
@@ -186,8 +190,9 @@ def _slices(table: Table) -> tuple[list[tuple[str, str]], str]:
     found: list[tuple[str, str]] = []
     there = 0
     for row in table.rows:
-        place = next((path for folder in beside if RunFolder(path := folder / row["scene"]).is_run()), None)
-        if not row["scene"] or place is None:
+        named = re.fullmatch(r"\w+", row["scene"])  # a hash: nothing leads elsewhere
+        runs = (folder / row["scene"] for folder in beside if named)
+        if (place := next((path for path in runs if RunFolder(path).is_run()), None)) is None:
             continue
         there += 1
         if len(found) < MOST_SLICES:
@@ -195,4 +200,6 @@ def _slices(table: Table) -> tuple[list[tuple[str, str]], str]:
                 found.append((_label(table, row) or row["scene"], slice_of(place)))
             except PockmarkError as error:
                 return found, str(error)
+    if not there:
+        return [], "No run lies beside the table."
     return found, f"{len(found)} of the {there} runs that lie beside the table."

@@ -53,7 +53,8 @@ def view_3d(meshes: Mapping[str, Mesh]) -> View3d:
     bars = tuple(
         _bar(name, np.concatenate([mesh.fields[name] for mesh in meshes.values()])) for name in fields
     )
-    plotter = pyvista.Plotter(off_screen=True)
+    with pyvista.vtk_verbosity("off"):  # it says that there is no display, and none is needed
+        plotter = pyvista.Plotter(off_screen=True)
     plotter.set_background("white")
     for mesh in meshes.values():
         data = _polydata(pyvista, mesh)

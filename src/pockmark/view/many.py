@@ -18,6 +18,7 @@ LINES, MARKS = ("-", "--", "-.", ":"), "osD^v<>P"
 PARTS_OF_INTERNAL = ("viscous", "filtered")
 ENERGIES = tuple(key for key in SHARES if key not in PARTS_OF_INTERNAL)  # they add up to the initial energy
 MOST_LINES = 12  # lines that a legend names
+ACROSS = 3  # panels beside one another
 
 
 class Told(NamedTuple):
@@ -77,10 +78,13 @@ def compared_figure(runs: Sequence[Told]) -> Figure:
 
 def swept_figure(key: str, series: Sequence[Series], measures: Sequence[str]) -> Figure:
     """Draw measures against a swept key, a line for each series. The measures are named with their units."""
-    figure = Figure(figsize=(4.2 * len(measures) + 0.4, 4.0), layout="constrained")
+    rows = -(-len(measures) // ACROSS)
+    figure = Figure(figsize=(3.3 * ACROSS, 3.0 * rows + 1.0), layout="constrained")
     FigureCanvasAgg(figure)
-    panels = figure.subplots(1, len(measures), squeeze=False)[0]
-    for axes, measure in zip(panels, measures, strict=True):
+    panels = figure.subplots(rows, ACROSS, squeeze=False).ravel()
+    for axes in panels[len(measures) :]:
+        axes.set_visible(False)
+    for axes, measure in zip(panels, measures, strict=False):
         for n, one in enumerate(series):
             order = np.argsort(one.x)
             style = {"color": COLOURS[n % len(COLOURS)], "marker": MARKS[n % len(MARKS)], "markersize": 4}
