@@ -15,7 +15,6 @@ from .surface import Surface, with_image
 
 Array = NDArray[np.float64]
 MOST_NODES = 80  # along an axis: what a page can hold and a browser turns
-NEIGHBOURS = 8  # points of which a value on the mesh is the mean
 CUTS = {"whole": None, "cut across y": 1, "cut across x": 0}  # the axis of which one half is left out
 
 
@@ -146,7 +145,7 @@ class _Fields:
         places = vertices
         if self.is_section:
             places = np.stack([np.hypot(vertices[:, 0], vertices[:, 1]), vertices[:, 2]], axis=1)
-        count = min(NEIGHBOURS, self.tree.n)
+        count = min(2 ** places.shape[1], self.tree.n)  # as many as a cell has corners
         distance, nearest = (
             np.reshape(found, (len(places), count)) for found in self.tree.query(places, k=count)
         )

@@ -188,7 +188,7 @@ def _slices(table: Table) -> tuple[list[tuple[str, str]], str]:
     """Return the slices of the first runs that are there, by name, and what is to be said of them."""
     beside = (table.path.parent, table.path.resolve().parent.parent)
     found: list[tuple[str, str]] = []
-    there = 0
+    there, faults = 0, []
     for row in table.rows:
         named = re.fullmatch(r"\w+", row["scene"])  # a hash: nothing leads elsewhere
         runs = (folder / row["scene"] for folder in beside if named)
@@ -199,7 +199,9 @@ def _slices(table: Table) -> tuple[list[tuple[str, str]], str]:
             try:
                 found.append((_label(table, row) or row["scene"], slice_of(place)))
             except PockmarkError as error:
-                return found, str(error)
+                faults.append(str(error))
     if not there:
         return [], "No run lies beside the table."
-    return found, f"{len(found)} of the {there} runs that lie beside the table."
+    return found, "; ".join(
+        [f"{len(found)} of the {there} runs that lie beside the table", *faults[:3]]
+    ) + "."
