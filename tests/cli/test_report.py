@@ -247,6 +247,18 @@ def test_without_trame_the_page_says_what_to_install(worst, slow):
     assert len(Page(slow).frames) == 1
 
 
+def test_a_run_that_was_killed_while_it_wrote_has_a_page_of_what_is_whole(original, tmp_path):
+    folder = tmp_path / "run"
+    shutil.copytree(original / "slow", folder)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    (folder / "manifest.json").write_text(json.dumps(manifest | {"status": "running"}))
+    with (folder / "snapshot-0002.vtkhdf").open("r+b") as file:
+        file.truncate(3000)
+    text = page_of(folder, output=tmp_path / "page.html")
+    assert "killed at 8 ns; the last snapshot is of 4 ns" in text
+    assert "2 of 3 snapshots" in text
+
+
 def test_without_jinja_it_is_one_sentence(original, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "jinja2", None)
     with pytest.raises(PockmarkError, match=r"Jinja2 is not installed: pip install 'pockmark\[report\]'"):
