@@ -98,6 +98,7 @@ def test_a_page_says_how_to_make_the_run_again(original, slow):
 
 
 def test_a_hostile_title_is_a_text(slow):
+    pytest.importorskip("trame_vtk")
     page = Page(slow)
     assert page.headings[:2] == [HOSTILE, HOSTILE]
     assert page.tags.count("script") == 1  # the one that shows parts of the view
@@ -242,6 +243,7 @@ def test_a_run_with_one_snapshot_says_so(worst, slow):
 
 
 def test_without_trame_the_page_says_what_to_install(worst, slow):
+    pytest.importorskip("trame_vtk")
     assert "pip install &#39;pockmark[report]&#39;" in worst
     assert not Page(worst).frames
     assert len(Page(slow).frames) == 1
