@@ -39,6 +39,7 @@ OWN_FILES = (
     "view.png",
     "view.gif",
     "view.mp4",
+    "report.html",
     MANIFEST,
 )
 UNENDED = ("running", "killed")
