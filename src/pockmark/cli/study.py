@@ -12,6 +12,7 @@ from ..base.terminal import literal
 from ..study.campaign import FILE, cases, load
 from ..study.runner import make_report, run_study, summary, write_results
 from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse
+from .pools import pool_of
 
 
 def study(
@@ -23,7 +24,21 @@ def study(
     ],
     quick: Annotated[bool, typer.Option(help="The coarse, short form.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="A group or figure of the campaign.")] = None,
-    jobs: Annotated[int, typer.Option(min=1, max=256, help="Runs at a time; they share the cores.")] = 1,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=256, help="Runs at a time; they share the cores (1). With --slurm: jobs of Slurm's."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="A dask scheduler, whose workers make the runs: tcp://node1:8786."
+        ),
+    ] = None,
+    slurm: Annotated[
+        bool, typer.Option("--slurm", help=f"Make the runs in jobs of Slurm's, as [slurm] in {FILE} says.")
+    ] = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Where the runs are kept.")] = Path(
         "runs/studies"
     ),
@@ -33,8 +48,11 @@ def study(
     folder, place = _folders(name, output, quick=quick)
     campaign = load(folder)
     wanted = cases(campaign, folder, quick=quick, only=only or [])
+    if slurm and campaign.slurm is None:
+        raise PockmarkError(f"--slurm: {folder / FILE} has no table [slurm]: queue, walltime, cores, memory")
     try:
-        outcomes = run_study(wanted, output, jobs=jobs, console=CONSOLE, coarse=coarse or campaign.coarse)
+        with pool_of(jobs, scheduler, campaign.slurm if slurm else None, output / "slurm") as pool:
+            outcomes = run_study(wanted, output, pool=pool, console=CONSOLE, coarse=coarse or campaign.coarse)
     except KeyboardInterrupt:
         CONSOLE.print("interrupted: what is done is kept, the same command goes on", style="yellow")
         raise typer.Exit(130) from None

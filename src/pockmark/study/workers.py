@@ -1,83 +1,109 @@
-"""Work in processes of its own, a few at a time.
+"""Runs in processes of their own, a few at a time.
 
 A process that dies takes nothing with it. None outlives the process that asked for it.
 """
 
+import json
 import os
 import signal
-import threading
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from multiprocessing import get_context, parent_process
-from multiprocessing.connection import Connection, wait
-from multiprocessing.context import SpawnProcess
-from typing import Any
+from contextlib import suppress
+from multiprocessing.connection import wait
+from typing import IO
+
+from ..run.simulation import thread_count
+from .order import Order, RefusedError
 
 POLL = 0.2  # s between questions whether to stop
 PATIENCE = 60.0  # s that a worker has to keep what there is before it is killed
+Worker = subprocess.Popen[bytes]
+
+
+class Processes:
+    """A pool of this machine's: so many runs at a time, which share the cores."""
+
+    def __init__(self, jobs: int) -> None:
+        """Keep how many runs there are at a time."""
+        self._jobs = jobs
+
+    def finished(self, orders: Sequence[Order], between: Callable[[], None]) -> Iterator[tuple[int, str]]:
+        """Give (n, why it failed, or an empty text) for each order n, as the runs are over."""
+        return run_apart(orders, self._jobs, max(1, thread_count(0) // self._jobs), between)
 
 
 def run_apart(
-    work: Callable[..., str], orders: Sequence[tuple[Any, ...]], jobs: int, stop_if_asked: Callable[[], None]
+    orders: Sequence[Order], jobs: int, threads: int, between: Callable[[], None]
 ) -> Iterator[tuple[int, str]]:
-    """Give (n, work(*orders[n])) as the orders are done, `jobs` at a time.
+    """Give (n, why it failed) as the runs of orders are over, `jobs` at a time, on so many threads each.
 
-    For a process that died the text says why. What `stop_if_asked` raises comes through when every worker has ended.
+    For a process that died the text says why. What `between` raises comes through when every worker has ended, and so
+    does the RefusedError of a process that is of another pockmark.
     """
     waiting = list(enumerate(orders))[::-1]
-    running: dict[int, tuple[SpawnProcess, Connection]] = {}
+    running: dict[int, Worker] = {}
     try:
         while waiting or running:
-            stop_if_asked()
+            between()
             while waiting and len(running) < jobs:
                 n, order = waiting.pop()
-                running[n] = _start(work, order)
-            wait([process.sentinel for process, _ in running.values()], POLL)
-            for n in [n for n, (process, _) in running.items() if not process.is_alive()]:
-                yield n, _answer(*running.pop(n))
+                running[n] = _start(order, threads)
+            over = wait([_answers(worker).fileno() for worker in running.values()], POLL)
+            for n in [n for n, worker in running.items() if _answers(worker).fileno() in over]:
+                yield n, _answer(running.pop(n))
     finally:
-        _end([process for process, _ in running.values()])
+        _end([*running.values()])
 
 
-def _start(work: Callable[..., str], order: tuple[Any, ...]) -> tuple[SpawnProcess, Connection]:
-    # Not forked: a process with threads of OpenMP must not be.
-    """Start a process that works on an order. Return it, and where its answer comes out."""
-    context = get_context("spawn")
-    receiver, sender = context.Pipe(duplex=False)
-    process = context.Process(target=_work, args=(sender, work, order))
+def _answers(worker: Worker) -> IO[bytes]:
+    """Return where the answer of a worker comes out."""
+    assert worker.stdout
+    return worker.stdout
+
+
+def _start(order: Order, threads: int) -> Worker:
+    """Start a process that makes a run."""
+    # The modules that this process finds, and no others: a file beside the user that is called json.py is none of them.
+    found = os.pathsep.join(path or os.getcwd() for path in sys.path)
     # Ctrl-C in a terminal reaches every process of it: the workers leave it to this one, from their first moment on.
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        process.start()
+        worker = subprocess.Popen(
+            [sys.executable, "-P", "-m", "pockmark.study.order", str(threads)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=os.environ | {"PYTHONPATH": found},
+        )
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-    sender.close()
-    return process, receiver
+    assert worker.stdin
+    with suppress(BrokenPipeError):  # its answer says what has become of it
+        worker.stdin.write(json.dumps(order).encode() + b"\n")
+        worker.stdin.flush()  # it stays open: its end tells the worker that this process has ended
+    return worker
 
 
-def _work(sender: Connection, work: Callable[..., str], order: tuple[Any, ...]) -> None:
-    """Do the work in its own process, and send the answer."""
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    sender.send(work(*order))
+def _answer(worker: Worker) -> str:
+    """Return what a worker that has ended says of its run, or why it says nothing. Raises RefusedError."""
+    said = _answers(worker).read()
+    code = worker.wait()
+    _close(worker)
+    if not said:
+        return _fate(code)
+    answer: dict[str, str] = json.loads(said)
+    if refused := answer.get("refused"):
+        raise RefusedError(refused)
+    return answer["fault"]
 
 
-def _end_with_parent() -> None:
-    """Wait for the process that asked to end, however that happens, and end this one with it."""
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
-
-
-def _answer(process: SpawnProcess, receiver: Connection) -> str:
-    """Return what a process that has ended has sent, or why it has sent nothing."""
-    process.join()
-    try:
-        return str(receiver.recv()) if receiver.poll() else _fate(process.exitcode or 0)
-    except EOFError:
-        return _fate(process.exitcode or 0)
-    finally:
-        receiver.close()
+def _close(worker: Worker) -> None:
+    """Close the pipes of a worker that has ended."""
+    for pipe in (worker.stdin, worker.stdout):
+        with suppress(BrokenPipeError):
+            assert pipe
+            pipe.close()
 
 
 def _fate(code: int) -> str:
@@ -88,13 +114,15 @@ def _fate(code: int) -> str:
     return f"its process was ended by {name}" + (" (out of memory?)" if name == "SIGKILL" else "")
 
 
-def _end(processes: Sequence[SpawnProcess]) -> None:
+def _end(workers: Sequence[Worker]) -> None:
     """Ask workers to stop, and kill those that do not stop in time."""
-    for process in processes:
-        process.terminate()
+    for worker in workers:
+        worker.terminate()
     deadline = time.monotonic() + PATIENCE
-    for process in processes:
-        process.join(max(0.0, deadline - time.monotonic()))
-        if process.is_alive():
-            process.kill()
-            process.join()
+    for worker in workers:
+        try:
+            worker.wait(max(0.0, deadline - time.monotonic()))
+        except subprocess.TimeoutExpired:
+            worker.kill()
+            worker.wait()
+        _close(worker)
