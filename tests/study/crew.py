@@ -1,16 +1,21 @@
 """A real dask scheduler and its workers, in processes of their own on this machine, for the tests of this folder."""
 
+import itertools
 import os
 import re
-import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 SCHEDULER = "import sys; from distributed.cli.dask_scheduler import main; main(sys.argv[1:])"
 WORKER = "import sys; from distributed.cli.dask_worker import main; main(sys.argv[1:])"
-NO_PAGES = ("--no-dashboard",)
+# What each Python of a worker does first.
+COUNTS = """
+import os, sys
+if "pockmark.study.making" in sys.orig_argv:
+    with open(os.environ["STARTS"], "a") as file:
+        file.write("a run\\n")
+"""
 
 
 class Crew:
@@ -19,8 +24,15 @@ class Crew:
     def __init__(self, logs):
         """Start the scheduler."""
         self.logs, self.workers, self._processes = logs, {}, []
+        self._cores = itertools.cycle(sorted(os.sched_getaffinity(0)))
+        (logs / "sitecustomize.py").write_text(COUNTS)
         log, self.scheduler = self._start("scheduler", SCHEDULER, "--host", "127.0.0.1", "--port", "0")
         self.address = told(log, r"Scheduler at:\s+(tcp://\S+)")
+
+    @property
+    def starts(self):
+        """The file with a line for each process in which a worker has begun or resumed a run."""
+        return self.logs / "starts.txt"
 
     def add(self, name, path=None):
         """Start a worker, which finds modules in the folder `path` first. It has no nanny, so that it dies for good."""
@@ -32,13 +44,12 @@ class Crew:
 
     def _start(self, name, code, *words, path=None):
         """Start a process of dask's on one core, as a batch system would. Return its log, and the process."""
-        log, environment = self.logs / f"{name}.log", dict(os.environ)
-        if path:
-            environment["PYTHONPATH"] = os.pathsep.join([str(path), *sys.path])
-        core = sorted(os.sched_getaffinity(0))[-1]
+        log, core = self.logs / f"{name}.log", next(self._cores)
+        found = os.pathsep.join([*([str(path)] if path else []), str(self.logs), *filter(None, sys.path)])
+        environment = os.environ | {"PYTHONPATH": found, "STARTS": str(self.starts)}
         with log.open("w") as file:
             process = subprocess.Popen(
-                [sys.executable, "-c", code, *map(str, words), *NO_PAGES],
+                [sys.executable, "-c", code, *map(str, words), "--no-dashboard"],
                 stdout=file,
                 stderr=file,
                 env=environment,
@@ -50,17 +61,12 @@ class Crew:
 
     def end(self):
         """End all of them."""
-        for process in self._processes[::-1]:
-            process.terminate()
         for process in self._processes:
-            try:
-                process.wait(10)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            process.kill()
+            process.wait()
 
 
-def told(log, pattern, seconds=40.0):
+def told(log, pattern, seconds=120.0):
     """Return what a log says by and by."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:

@@ -14,7 +14,7 @@ from rich.console import Console
 from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.run.pipeline import run_scene
 from pockmark.study.campaign import cases, load
-from pockmark.study.order import is_done
+from pockmark.study.making import is_done
 from pockmark.study.runner import Outcome, line_of, place, run_study, summary, write_results
 from pockmark.study.workers import Processes
 

@@ -1,11 +1,9 @@
 """A pool of dask workers, on this machine or on others, which share a file system with it.
 
-A worker makes a run as `--jobs 1` does, in a process of its own, and writes into the same folder. A run whose worker is
-lost goes on elsewhere. The scheduler and the workers import this, too.
+This is the study's side; the worker's is `follow`. A run whose worker is lost goes on elsewhere.
 """
 
 import logging
-import platform
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -19,17 +17,13 @@ from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
 from ..base.files import told
 from ..run.keeper import checkpoints
-from ..run.lock import Lock, holder
-from ..run.simulation import thread_count
-from .order import INTERRUPTED, Order, RefusedError
-from .progress import every
-from .workers import PATIENCE, POLL, run_apart
+from ..run.lock import Lock
+from .follow import Answer, follow
+from .order import Order
+from .pace import PACE, every
+from .workers import PATIENCE, POLL
 
 CONNECT = 8.0  # s that a scheduler has to answer
-PACE = 1.0  # s between questions to the scheduler or to the file system
-# Of a run that is over: "fault": why it failed, or an empty text; with "lost" if only its worker is at fault. Else
-# "refused": why no run of the campaign can be made there.
-Answer = dict[str, str]
 
 
 class Cluster:
@@ -136,59 +130,6 @@ def _answer(future: Any) -> Answer | None:
     if refused := answer.get("refused"):
         raise PockmarkError(refused)
     return answer
-
-
-def follow(order: Order, study: str, threads: int) -> Answer:
-    """Follow an order in a dask worker, as long as the study's lock is held, and return what came of it.
-
-    `threads` 0 is the share of a run in the cores of the worker.
-    """
-    worker = dask("distributed").get_worker()
-    name = f"worker {worker.address} on {platform.node()}"
-    threads = threads or max(1, thread_count(0) // worker.state.nthreads)
-    try:
-        if why := why_not_shared(Path(study)):
-            return {"refused": f"{name}: {why}"}
-        fault = _make(order, Path(study), threads)
-    except RefusedError as error:
-        return {"refused": f"{name}: {error}"}
-    except PockmarkError as error:
-        return {"fault": str(error)}
-    except KeyboardInterrupt:
-        return {"fault": INTERRUPTED}
-    # Not by us: a batch system ends the worker, and with it the run.
-    return {"fault": fault} | ({"lost": ""} if fault == INTERRUPTED else {})
-
-
-def why_not_shared(study: Path) -> str:
-    """Return why a worker cannot write into the study's folder of runs; empty if it can."""
-    if not study.exists():
-        return (
-            f"does not see {study.parent}: the runs' folder must be on a file system that all workers share"
-        )
-    if holder(study) is None:
-        return f"does not see who holds a lock in {study.parent}: that file system must keep locks between machines"
-    return ""
-
-
-def _make(order: Order, study: Path, threads: int) -> str:
-    """Make a run in a process of its own. Return why it failed, or an empty text.
-
-    Raises KeyboardInterrupt once the study's lock is held no more, however that happened.
-    """
-
-    def stop_if_over() -> None:
-        if holder(study) is None:
-            raise KeyboardInterrupt
-
-    between = every(PACE, stop_if_over)
-    while (
-        holder(Path(order["folder"])) is not None
-    ):  # by a worker that is lost to the scheduler, but still runs
-        between()
-        time.sleep(POLL)
-    ((_, fault),) = run_apart([order], 1, threads, between)
-    return fault
 
 
 @contextmanager

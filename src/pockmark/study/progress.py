@@ -3,8 +3,7 @@
 What a run has reached is read from its folder, so that nobody has to send it.
 """
 
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +13,6 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedCo
 
 from ..base.errors import PockmarkError, shown
 from ..run.store import RunFolder
-
-PACE = 1.0  # s between looks at the runs' folders
 
 
 @dataclass
@@ -96,16 +93,3 @@ def bars_of(console: Console, runs: Sequence[Watched], text: str) -> Iterator[Ba
             yield bars
         finally:
             bars.clear()
-
-
-def every(seconds: float, act: Callable[[], None]) -> Callable[[], None]:
-    """Return a function that acts when it is called, but not again before so many seconds are over."""
-    last = -float("inf")
-
-    def paced() -> None:
-        nonlocal last
-        if time.monotonic() - last >= seconds:
-            last = time.monotonic()
-            act()
-
-    return paced

@@ -27,9 +27,11 @@ from ..run.stop import heard_between_steps
 from ..run.store import RunFolder
 from ..scene.forecast import forecast
 from .campaign import Case
-from .order import is_done, order_for
+from .making import is_done
+from .order import order_for
+from .pace import PACE, every
 from .pool import Pool
-from .progress import PACE, Watched, bars_of, every
+from .progress import Watched, bars_of
 
 
 @dataclass
@@ -71,7 +73,7 @@ def run_study(
     there = [case for case in cases if is_done(place(out, case))]
     to_make = [case for case in cases if case not in there]
     outcomes = [_measured(case, out, kept=True) for case in there]
-    orders = [order_for(case.scene, place(out, case), coarse=coarse) for case in to_make]
+    orders = [order_for(case.scene.to_dict(), place(out, case), coarse=coarse) for case in to_make]
     runs = [_watched(case, out) for case in to_make]
     start = f"{len(outcomes)} of {len(cases)} runs were there"
     with bars_of(console, runs, start) as bars, heard_between_steps() as stop_if_asked:

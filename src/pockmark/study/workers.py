@@ -14,7 +14,6 @@ from contextlib import suppress
 from multiprocessing.connection import wait
 from typing import IO
 
-from ..run.simulation import thread_count
 from .order import Order, RefusedError
 
 POLL = 0.2  # s between questions whether to stop
@@ -31,7 +30,12 @@ class Processes:
 
     def finished(self, orders: Sequence[Order], between: Callable[[], None]) -> Iterator[tuple[int, str]]:
         """Give (n, why it failed, or an empty text) for each order n, as the runs are over."""
-        return run_apart(orders, self._jobs, max(1, thread_count(0) // self._jobs), between)
+        return run_apart(orders, self._jobs, share_of_cores(self._jobs), between)
+
+
+def share_of_cores(runs: int) -> int:
+    """Return how many threads each of so many runs at a time takes of the cores that this process may use."""
+    return max(1, len(os.sched_getaffinity(0)) // runs)
 
 
 def run_apart(
@@ -71,7 +75,7 @@ def _start(order: Order, threads: int) -> Worker:
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         worker = subprocess.Popen(
-            [sys.executable, "-P", "-m", "pockmark.study.order", str(threads)],
+            [sys.executable, "-P", "-m", "pockmark.study.making", str(threads)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env=os.environ | {"PYTHONPATH": found},
