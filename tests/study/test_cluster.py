@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+import distributed
 import pytest
 from crew import Crew
 from kills import differences
@@ -18,6 +19,7 @@ from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.run.keeper import newest_good
 from pockmark.run.lock import Lock, holder
 from pockmark.run.store import RunFolder
+from pockmark.study import cluster
 from pockmark.study.campaign import cases, load
 from pockmark.study.cluster import CONNECT, connected
 from pockmark.study.follow import why_not_shared
@@ -222,3 +224,72 @@ def test_without_dask_a_sentence_says_how_to_get_it(monkeypatch):
         connected("tcp://127.0.0.1:1"),
     ):
         pass
+
+
+class Future:
+    """What a worker has said already, or an error of dask's."""
+
+    key = "run"
+
+    def __init__(self, said):
+        self.said = said
+
+    def done(self):
+        return True
+
+    def cancelled(self):
+        return False
+
+    def result(self, timeout):
+        if isinstance(self.said, Exception):
+            raise self.said
+        return self.said
+
+
+class Client:
+    """A client whose workers say one thing after another."""
+
+    status = "running"
+
+    def __init__(self, said):
+        self.said, self.sent = iter(said), 0
+
+    def submit(self, function, order, study, threads, pure):
+        self.sent += 1
+        return Future(next(self.said))
+
+    def nthreads(self):
+        return {"tcp://node1:1": 1}
+
+    def processing(self):
+        return {}
+
+    def cancel(self, futures):
+        pass
+
+
+@pytest.mark.parametrize("how", ["killed", "interrupted"])
+def test_a_run_that_goes_on_is_sent_again_however_many_workers_are_lost(how, tmp_path, monkeypatch):
+    """A campaign whose jobs end by their walltime ends nevertheless; a run that kills its workers does not go round."""
+    last = type("Worker", (), {"address": "tcp://node7:1"})()
+    lost = distributed.KilledWorker("run", last, 3)
+    if how == "interrupted":
+        lost = {"fault": "interrupted", "lost": ""}
+    order = order_for({}, tmp_path / "runs" / "run", coarse=True)
+    steps = iter([0, 1, 1, 2, 2, 2])  # the newest checkpoint at each sending, and at each loss
+    monkeypatch.setattr(cluster, "_newest", lambda order: next(steps))
+    client = Client([lost] * 3)
+    ((n, fault),) = cluster.Cluster(client).finished([order], lambda: None)
+    print(fault)
+    assert (n, client.sent) == (0, 3)
+    expected = "4 workers were lost with it, tcp://node7:1 the last (out of memory?)"
+    assert fault == ("interrupted" if how == "interrupted" else expected)
+
+
+def test_a_scheduler_that_is_lost_is_told(tmp_path):
+    client = Client([])
+    client.status = "connecting"
+    order = order_for({}, tmp_path / "runs" / "run", coarse=True)
+    with pytest.raises(PockmarkError, match="the scheduler is lost: what is done is kept, the same command"):
+        next(cluster.Cluster(client).finished([order], lambda: None))
+    assert list((tmp_path / "runs").iterdir()) == []

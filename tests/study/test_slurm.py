@@ -29,7 +29,7 @@ sweep = { "impact.speed" = ["2 km/s", "3 km/s"] }
 """
 SBATCH = """#!/bin/sh
 cp "$1" "$SUBMITTED"
-setsid sh "$1" >"$SUBMITTED.log" 2>&1 &
+setsid sh "$SUBMITTED" >"$SUBMITTED.log" 2>&1 &
 echo $! >"$SUBMITTED.pid"
 echo "Submitted batch job 17"
 """

@@ -168,7 +168,8 @@ def connected(address: str) -> Iterator[Cluster]:
 def client_of(address: Any, fault: str) -> Iterator[Any]:
     """Give a client of a scheduler, by its address or as dask has it. Raises PockmarkError with `fault`."""
     distributed = dask("distributed")
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what it would say, a sentence of ours says
+    for name in ("distributed", "distributed.client"):  # what they would say, a sentence of ours says
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, ValueError, TimeoutError):
