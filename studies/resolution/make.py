@@ -19,8 +19,8 @@ from pockmark.run.simulation import thread_count
 from pockmark.scene.warnings import cells_across
 from pockmark.study.convergence import Finding, cases_of, findings, sentence
 from pockmark.study.levels import plan_of
+from pockmark.study.processes import Processes
 from pockmark.study.runner import run_study
-from pockmark.study.workers import Processes
 
 ROOT = Path(__file__).parents[2]
 COMMAND = "python studies/resolution/make.py"

@@ -15,8 +15,8 @@ from pockmark.base.errors import found, shown, together
 from pockmark.base.geometry import Setup
 from pockmark.base.terminal import literal, make_console
 from pockmark.study.campaign import Case
+from pockmark.study.processes import Processes
 from pockmark.study.runner import Outcome, run_study, summary
-from pockmark.study.workers import Processes
 from pockmark.view.plots import slice_figure
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"

@@ -21,8 +21,8 @@ from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.store import RunFolder
 from pockmark.study.campaign import cases, load
+from pockmark.study.processes import Processes
 from pockmark.study.runner import place, run_study
-from pockmark.study.workers import Processes
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
 SMALL = ["grid.cell='10 um'", "body.target.spacing='5 um'", "body.projectile.spacing='2.5 um'"]

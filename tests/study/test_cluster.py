@@ -5,6 +5,7 @@ import re
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.run.keeper import newest_good
 from pockmark.run.lock import Lock, holder
 from pockmark.run.store import RunFolder
-from pockmark.study import cluster
+from pockmark.study import cluster, follow
 from pockmark.study.campaign import cases, load
 from pockmark.study.cluster import CONNECT, connected
 from pockmark.study.follow import why_not_shared
@@ -224,6 +225,37 @@ def test_without_dask_a_sentence_says_how_to_get_it(monkeypatch):
         connected("tcp://127.0.0.1:1"),
     ):
         pass
+
+
+def test_what_is_finished_is_not_made_again(tmp_path):
+    """A worker that is lost with its answer has left its run."""
+    order = order_for(small_rings("4 ns").to_dict(), tmp_path / "run", coarse=True)
+    assert make(order, 1) == ""
+    made = (tmp_path / "run" / "manifest.json").read_bytes()
+    assert make(order, 1) == ""
+    assert (tmp_path / "run" / "manifest.json").read_bytes() == made
+
+
+def test_a_worker_waits_for_one_that_is_lost_but_still_runs(tmp_path, monkeypatch):
+    locks = []
+    for name in ("study", "run"):
+        (tmp_path / name).mkdir()
+        locks.append(Lock(tmp_path / name))
+    study, lost = locks
+    began, order = [], order_for({}, tmp_path / "run", coarse=True)
+    monkeypatch.setattr(follow, "run_apart", lambda *how: began.append(how) or [(0, "")])
+    worker = threading.Thread(target=follow._make, args=(order, tmp_path / "study", 1))
+    worker.start()
+    time.sleep(3 * follow.POLL)
+    assert began == []
+    lost.release()
+    worker.join(10)
+    assert len(began) == 1
+    study.release()
+    again = Lock(tmp_path / "run")
+    with pytest.raises(KeyboardInterrupt):  # once the study is over, nobody waits
+        follow._make(order, tmp_path / "study", 1)
+    again.release()
 
 
 class Future:

@@ -15,8 +15,8 @@ from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.run.pipeline import run_scene
 from pockmark.study.campaign import cases, load
 from pockmark.study.making import is_done
+from pockmark.study.processes import Processes
 from pockmark.study.runner import Outcome, line_of, place, run_study, summary, write_results
-from pockmark.study.workers import Processes
 
 ROOT = Path(__file__).parents[2]
 TEXT = """

@@ -16,8 +16,8 @@ from ..scene.scene import Scene
 from ..study.convergence import Finding, cases_of, findings, order_told, panels, sentence
 from ..study.convergence_table import table_of, write_files
 from ..study.levels import Plan, plan_of
+from ..study.processes import Processes
 from ..study.runner import Outcome, run_study
-from ..study.workers import Processes
 from ..view.convergence import convergence_figure
 from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse, Overrides, SceneFile
 

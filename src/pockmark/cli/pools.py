@@ -7,8 +7,8 @@ from pathlib import Path
 from ..base.errors import PockmarkError
 from ..study.cluster import connected
 from ..study.pool import Pool
+from ..study.processes import Processes
 from ..study.slurm import Slurm, started
-from ..study.workers import Processes
 from .common import CONSOLE
 
 

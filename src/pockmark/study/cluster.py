@@ -21,7 +21,7 @@ from ..run.lock import Lock
 from .follow import Answer, follow
 from .order import Order
 from .pace import PACE, every
-from .workers import PATIENCE, POLL
+from .processes import PATIENCE, POLL
 
 CONNECT = 8.0  # s that a scheduler has to answer
 

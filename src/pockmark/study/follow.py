@@ -12,7 +12,7 @@ from ..base.errors import PockmarkError
 from ..run.lock import holder
 from .order import INTERRUPTED, Order, RefusedError
 from .pace import PACE, every
-from .workers import POLL, run_apart, share_of_cores
+from .processes import POLL, run_apart, share_of_cores
 
 # Of a run that is over: "fault": why it failed, or an empty text; with "lost" if only its worker is at fault. Else
 # "refused": why no run of the campaign can be made there.
@@ -63,9 +63,8 @@ def _make(order: Order, study: Path, threads: int) -> str:
             raise KeyboardInterrupt
 
     between = every(PACE, stop_if_over)
-    while (
-        holder(Path(order["folder"])) is not None
-    ):  # by a worker that is lost to the scheduler, but still runs
+    # The worker that had the run may be lost to the scheduler, and go on nevertheless.
+    while holder(Path(order["folder"])) is not None:
         between()
         time.sleep(POLL)
     ((_, fault),) = run_apart([order], 1, threads, between)

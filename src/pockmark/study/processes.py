@@ -17,8 +17,8 @@ from typing import IO
 from .order import Order, RefusedError
 
 POLL = 0.2  # s between questions whether to stop
-PATIENCE = 60.0  # s that a worker has to keep what there is before it is killed
-Worker = subprocess.Popen[bytes]
+PATIENCE = 60.0  # s that a process has to keep what there is before it is killed
+Process = subprocess.Popen[bytes]
 
 
 class Processes:
@@ -43,38 +43,38 @@ def run_apart(
 ) -> Iterator[tuple[int, str]]:
     """Give (n, why it failed) as the runs of orders are over, `jobs` at a time, on so many threads each.
 
-    For a process that died the text says why. What `between` raises comes through when every worker has ended, and so
+    For a process that died the text says why. What `between` raises comes through when every process has ended, and so
     does the RefusedError of a process that is of another pockmark.
     """
     waiting = list(enumerate(orders))[::-1]
-    running: dict[int, Worker] = {}
+    running: dict[int, Process] = {}
     try:
         while waiting or running:
             between()
             while waiting and len(running) < jobs:
                 n, order = waiting.pop()
                 running[n] = _start(order, threads)
-            over = wait([_answers(worker).fileno() for worker in running.values()], POLL)
-            for n in [n for n, worker in running.items() if _answers(worker).fileno() in over]:
+            over = wait([_answers(process).fileno() for process in running.values()], POLL)
+            for n in [n for n, process in running.items() if _answers(process).fileno() in over]:
                 yield n, _answer(running.pop(n))
     finally:
         _end([*running.values()])
 
 
-def _answers(worker: Worker) -> IO[bytes]:
-    """Return where the answer of a worker comes out."""
-    assert worker.stdout
-    return worker.stdout
+def _answers(process: Process) -> IO[bytes]:
+    """Return where the answer of a process comes out."""
+    assert process.stdout
+    return process.stdout
 
 
-def _start(order: Order, threads: int) -> Worker:
+def _start(order: Order, threads: int) -> Process:
     """Start a process that makes a run."""
-    # The modules that this process finds, and no others: a file beside the user that is called json.py is none of them.
+    # It finds the modules that this process finds, and no others: not a json.py where the user stands.
     found = os.pathsep.join(path or os.getcwd() for path in sys.path)
-    # Ctrl-C in a terminal reaches every process of it: the workers leave it to this one, from their first moment on.
+    # Ctrl-C in a terminal reaches every process of it: those started here leave it to this one, from their first moment.
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        worker = subprocess.Popen(
+        process = subprocess.Popen(
             [sys.executable, "-P", "-m", "pockmark.study.making", str(threads)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
@@ -82,18 +82,18 @@ def _start(order: Order, threads: int) -> Worker:
         )
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-    assert worker.stdin
+    assert process.stdin
     with suppress(BrokenPipeError):  # its answer says what has become of it
-        worker.stdin.write(json.dumps(order).encode() + b"\n")
-        worker.stdin.flush()  # it stays open: its end tells the worker that this process has ended
-    return worker
+        process.stdin.write(json.dumps(order).encode() + b"\n")
+        process.stdin.flush()  # it stays open: its end says that this process has ended
+    return process
 
 
-def _answer(worker: Worker) -> str:
-    """Return what a worker that has ended says of its run, or why it says nothing. Raises RefusedError."""
-    said = _answers(worker).read()
-    code = worker.wait()
-    _close(worker)
+def _answer(process: Process) -> str:
+    """Return what a process that has ended says of its run, or why it says nothing. Raises RefusedError."""
+    said = _answers(process).read()
+    code = process.wait()
+    _close(process)
     if not said:
         return _fate(code)
     answer: dict[str, str] = json.loads(said)
@@ -102,9 +102,9 @@ def _answer(worker: Worker) -> str:
     return answer["fault"]
 
 
-def _close(worker: Worker) -> None:
-    """Close the pipes of a worker that has ended."""
-    for pipe in (worker.stdin, worker.stdout):
+def _close(process: Process) -> None:
+    """Close the pipes of a process that has ended."""
+    for pipe in (process.stdin, process.stdout):
         with suppress(BrokenPipeError):
             assert pipe
             pipe.close()
@@ -118,15 +118,15 @@ def _fate(code: int) -> str:
     return f"its process was ended by {name}" + (" (out of memory?)" if name == "SIGKILL" else "")
 
 
-def _end(workers: Sequence[Worker]) -> None:
-    """Ask workers to stop, and kill those that do not stop in time."""
-    for worker in workers:
-        worker.terminate()
+def _end(processes: Sequence[Process]) -> None:
+    """Ask processes to stop, and kill those that do not stop in time."""
+    for process in processes:
+        process.terminate()
     deadline = time.monotonic() + PATIENCE
-    for worker in workers:
+    for process in processes:
         try:
-            worker.wait(max(0.0, deadline - time.monotonic()))
+            process.wait(max(0.0, deadline - time.monotonic()))
         except subprocess.TimeoutExpired:
-            worker.kill()
-            worker.wait()
-        _close(worker)
+            process.kill()
+            process.wait()
+        _close(process)
