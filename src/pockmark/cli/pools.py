@@ -24,12 +24,12 @@ def pool_of(jobs: int | None, scheduler: str | None, slurm: Slurm | None, logs: 
         raise PockmarkError("--jobs: --scheduler excludes it, for the scheduler has its workers already")
     if scheduler is not None:
         with connected(scheduler) as pool:
-            waits = "" if pool.workers else ": runs wait for one"
-            CONSOLE.print(f"the scheduler has {pool.workers} workers{waits}")
+            waits = "" if pool.workers else ", runs wait for one"
+            CONSOLE.print(f"the scheduler's workers: {pool.workers}{waits}")
             yield pool
     elif slurm:
         with started(slurm, jobs or 1, logs) as pool:
-            CONSOLE.print(f"Slurm was asked for {jobs or 1} jobs: runs begin as these do")
+            CONSOLE.print(f"jobs that Slurm is asked for: {jobs or 1}, runs begin as they do")
             yield pool
     else:
         yield Processes(jobs or 1)

@@ -23,7 +23,7 @@ from .order import Order
 from .pace import PACE, every
 from .processes import PATIENCE, POLL
 
-CONNECT = 8.0  # s that a scheduler has to answer
+CONNECT = 5.0  # s that a scheduler has to answer
 
 
 class Cluster:
