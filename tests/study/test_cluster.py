@@ -320,9 +320,18 @@ def test_a_run_that_goes_on_is_sent_again_however_many_workers_are_lost(how, tmp
     assert fault == ("interrupted" if how == "interrupted" else expected)
 
 
-def test_a_scheduler_that_is_lost_is_told(tmp_path):
+def gone():
+    """What dask's client does where nobody answers."""
+    raise OSError("closed")
+
+
+@pytest.mark.parametrize("is_seen", [True, False])
+def test_a_scheduler_that_is_lost_is_told(is_seen, tmp_path, monkeypatch):
     client = Client([])
-    client.status = "connecting"
+    if is_seen:
+        client.status = "connecting"
+    else:
+        monkeypatch.setattr(client, "nthreads", gone)
     order = order_for({}, tmp_path / "runs" / "run", coarse=True)
     with pytest.raises(PockmarkError, match="the scheduler is lost: what is done is kept, the same command"):
         next(cluster.Cluster(client).finished([order], lambda: None))

@@ -78,9 +78,13 @@ class _Followed:
 
     def _send(self, study: Path) -> None:
         """Send orders that wait to the scheduler, as far as there is room. Raises PockmarkError if it is lost."""
+        lost = "the scheduler is lost: what is done is kept, the same command goes on"
         if self._client.status != "running":
-            raise PockmarkError("the scheduler is lost: what is done is kept, the same command goes on")
-        self._count_room()
+            raise PockmarkError(lost)
+        try:
+            self._count_room()
+        except (OSError, TimeoutError):  # the client has not seen it yet
+            raise PockmarkError(lost) from None
         while self._waiting and len(self._sent) < self._room:
             n = self._waiting.pop()
             order = self._orders[n]

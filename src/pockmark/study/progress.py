@@ -66,7 +66,7 @@ class Bars:
         if found is None:
             self._remove(run)
             return
-        where, run.reached = found[0], min(1.0, found[1] / run.end)
+        where, run.reached = found[0].partition(" since ")[0], min(1.0, found[1] / run.end)
         if run.bar is None:
             run.bar = self._progress.add_task("", total=1.0)
         self._progress.update(run.bar, description=shown(f"{run.label}: {where}"), completed=run.reached)
