@@ -271,9 +271,6 @@ class Future:
     def done(self):
         return True
 
-    def cancelled(self):
-        return False
-
     def result(self, timeout):
         if isinstance(self.said, Exception):
             raise self.said
@@ -325,12 +322,12 @@ def gone():
     raise OSError("closed")
 
 
-@pytest.mark.parametrize("is_seen", [True, False])
-def test_a_scheduler_that_is_lost_is_told(is_seen, tmp_path, monkeypatch):
-    client = Client([])
-    if is_seen:
+@pytest.mark.parametrize("how", ["seen", "not seen yet", "started anew"])
+def test_a_scheduler_that_is_lost_is_told(how, tmp_path, monkeypatch):
+    client = Client([distributed.client.FutureCancelledError("run", "scheduler-restart")])
+    if how == "seen":
         client.status = "connecting"
-    else:
+    elif how == "not seen yet":
         monkeypatch.setattr(client, "nthreads", gone)
     order = order_for({}, tmp_path / "runs" / "run", coarse=True)
     with pytest.raises(PockmarkError, match="the scheduler is lost: what is done is kept, the same command"):

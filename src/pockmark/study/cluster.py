@@ -7,6 +7,7 @@ import logging
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from pathlib import Path
@@ -24,6 +25,7 @@ from .pace import PACE, every
 from .processes import PATIENCE, POLL
 
 CONNECT = 5.0  # s that a scheduler has to answer
+LOST = "the scheduler is lost: what is done is kept, the same command goes on"
 
 
 class Cluster:
@@ -54,9 +56,8 @@ class _Followed:
         """Let all orders wait."""
         self._client, self._threads, self._orders = client, threads, orders
         self._waiting = [*range(len(orders))][::-1]
-        self._sent: dict[
-            Any, tuple[int, Path | None]
-        ] = {}  # future: the order's number, its run's checkpoint then
+        # Of each future the order's number, and the newest checkpoint when it was sent.
+        self._sent: dict[Any, tuple[int, Path | None]] = {}
         self._room = 0
         self._count_room = every(PACE, self._ask_for_room)
 
@@ -78,18 +79,18 @@ class _Followed:
 
     def _send(self, study: Path) -> None:
         """Send orders that wait to the scheduler, as far as there is room. Raises PockmarkError if it is lost."""
-        lost = "the scheduler is lost: what is done is kept, the same command goes on"
         if self._client.status != "running":
-            raise PockmarkError(lost)
+            raise PockmarkError(LOST)
         try:
             self._count_room()
-        except (OSError, TimeoutError):  # the client has not seen it yet
-            raise PockmarkError(lost) from None
+        except OSError:  # the client has not seen it yet
+            raise PockmarkError(LOST) from None
         while self._waiting and len(self._sent) < self._room:
             n = self._waiting.pop()
             order = self._orders[n]
+            newest = _newest(order)
             future = self._client.submit(follow, order, str(study), self._threads, pure=False)
-            self._sent[future] = n, _newest(order)
+            self._sent[future] = n, newest
 
     def _over(self) -> Iterator[tuple[int, str]]:
         """Give (n, why it failed, or an empty text) of the runs that are over now."""
@@ -99,13 +100,13 @@ class _Followed:
                 continue
             n, began = self._sent.pop(future)
             if "lost" in answer and _newest(self._orders[n]) != began:
-                self._waiting.append(n)  # it has gone on with each of the lost workers, so it will end
+                self._waiting.append(n)  # it has gone on since it was sent, so it will end
             else:
                 yield n, answer["fault"]
 
     def _end(self) -> None:
         """Wait for the workers to keep what there is: they see that the study's lock is gone."""
-        with suppress(OSError, TimeoutError):  # the scheduler may be gone
+        with suppress(OSError):  # the scheduler may be gone
             busy = {key for keys in self._client.processing().values() for key in keys}
             running = [future for future in self._sent if future.key in busy]
             self._client.cancel([future for future in self._sent if future not in running])
@@ -117,12 +118,12 @@ class _Followed:
 def _answer(future: Any) -> Answer | None:
     """Return the answer of a worker, None if it is to be had later. Raises PockmarkError for one that can do nothing."""
     distributed = dask("distributed")
-    if future.cancelled():
-        return None  # the scheduler is lost: _send says so
     try:
         answer: Answer = future.result(timeout=CONNECT)
     except TimeoutError:  # its worker was lost with it: the scheduler asks another one
         return None
+    except (CancelledError, OSError):  # not by us: its scheduler has been started anew, or does not answer
+        raise PockmarkError(LOST) from None
     except distributed.KilledWorker as error:
         last, times = error.last_worker.address, error.allowed_failures + 1
         lost = f"{times} workers were lost with it, {last} the last (out of memory?)"
@@ -176,7 +177,7 @@ def client_of(address: Any, fault: str) -> Iterator[Any]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         client = distributed.Client(address, timeout=CONNECT, set_as_default=False)
-    except (OSError, ValueError, TimeoutError):
+    except (OSError, ValueError):
         raise PockmarkError(fault) from None
     try:
         yield client

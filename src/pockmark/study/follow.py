@@ -3,6 +3,7 @@
 The worker itself goes on to answer the scheduler, and imports nothing that makes a run. So does the scheduler.
 """
 
+import os
 import platform
 import time
 from importlib import import_module
@@ -33,8 +34,8 @@ def follow(order: Order, study: str, threads: int) -> Answer:
         fault = _make(order, Path(study), threads)
     except RefusedError as error:
         return {"refused": f"{name}: {error}"}
-    except PockmarkError as error:
-        return {"fault": str(error)}
+    except (PockmarkError, OSError) as error:
+        return {"fault": f"{name}: {error}"}
     except KeyboardInterrupt:
         return {"fault": INTERRUPTED}
     # Not by us: a batch system ends the worker, and with it the run.
@@ -43,7 +44,7 @@ def follow(order: Order, study: str, threads: int) -> Answer:
 
 def why_not_shared(study: Path) -> str:
     """Return why a worker cannot write into the study's folder of runs; empty if it can."""
-    if not study.exists():
+    if not os.path.lexists(study):
         return (
             f"does not see {study.parent}: the runs' folder must be on a file system that all workers share"
         )
