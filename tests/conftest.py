@@ -1,4 +1,4 @@
-"""Lets the tests of each folder import the helpers of some, and asks for the fuzzer's long form."""
+"""Lets the tests of each folder import the helpers of tests/verification and tests/run, and asks for the fuzzer's long form."""
 
 import sys
 from pathlib import Path

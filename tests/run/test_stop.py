@@ -21,6 +21,7 @@ from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.store import RunFolder
 from pockmark.study.campaign import cases, load
+from pockmark.study.processes import Processes
 from pockmark.study.runner import place, run_study
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
@@ -250,7 +251,7 @@ def test_a_worker_that_is_killed_stops_no_other_run(campaign):
 
     killer = threading.Thread(target=kill_the_first)
     killer.start()
-    outcomes = run_study(found, out, jobs=1, console=Console(file=io.StringIO()), coarse=True)
+    outcomes = run_study(found, out, pool=Processes(1), console=Console(file=io.StringIO()), coarse=True)
     killer.join()
     print([outcome.fault for outcome in outcomes])
     assert [bool(outcome.fault) for outcome in outcomes] == [True, False, False]
