@@ -9,7 +9,22 @@ import typer
 
 from .. import __version__
 from ..base.errors import PockmarkError, shown
-from . import bench, check, converge, demo, explain, materials, measure, new, plot, report, resume, run, study, view
+from . import (
+    bench,
+    check,
+    converge,
+    demo,
+    explain,
+    materials,
+    measure,
+    new,
+    plot,
+    report,
+    resume,
+    run,
+    study,
+    view,
+)
 from .common import MAX_PATH
 
 app = typer.Typer(
