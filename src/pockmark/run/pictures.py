@@ -27,19 +27,34 @@ from .store import UNENDED, RunFolder
 def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
     """Draw the last snapshot and the history, and return the files.
 
+    They are those of figures_of(), written into `out`, or into the run folder. Raises PockmarkError.
+    """
+    figures = figures_of(path)
+    target = as_path(out) if out else RunFolder.open(path).path
+    with told(target):
+        target.mkdir(parents=True, exist_ok=True)
+    for name, figure in figures.items():  # made one at a time: each takes some memory
+        with replaced(target / name) as descriptor, open(descriptor, "wb", closefd=False) as file:
+            figure().savefig(file, format="png", dpi=120)
+        gc.collect()  # a figure and its parts refer to one another
+    return [target / name for name in figures]
+
+
+@UNWARNED
+def figures_of(path: AnyPath) -> dict[str, Callable[[], Figure]]:
+    """Return what draws each picture of a run folder, by the name of its file.
+
     crater.png has the bodies, stress and pressure, fields.png temperature, plastic strain, damage and speed, top.png
-    the crater from above, history.png the energies. They are written into `out`, or into the run folder. Raises
-    PockmarkError.
+    the crater from above, history.png the energies. Raises PockmarkError.
     """
     folder = RunFolder.open(path)
     scene, status = folder.scene(), folder.status()
-    target = as_path(out) if out else folder.path
     snapshot, setup = in_the_grid(folder.last_snapshot(), scene), setup_of(scene)
     title = f"{scene.title or folder.path.name}, {float(snapshot['time'][0]) * 1e9:.0f} ns"
     title += f" ({status})" if status in UNENDED else ""
     surface = surface_in(snapshot, setup)
     crater, has_hole = results.crater_of(surface, setup.heading), results.hole_of(surface) is not None
-    figures: dict[str, Callable[[], Figure]] = {
+    return {
         "crater.png": lambda: slice_figure(
             snapshot, setup, crater=crater, title=title, is_perforated=has_hole
         ),
@@ -49,13 +64,6 @@ def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
         "top.png": lambda: top_figure(surface, snapshot, setup, crater=crater, title=title),
         "history.png": lambda: history_figure(folder.history(*HISTORY_COLUMNS)),
     }
-    with told(target):
-        target.mkdir(parents=True, exist_ok=True)
-    for name, figure in figures.items():  # made one at a time: each takes some memory
-        with replaced(target / name) as descriptor, open(descriptor, "wb", closefd=False) as file:
-            figure().savefig(file, format="png", dpi=120)
-        gc.collect()  # a figure and its parts refer to one another
-    return [target / name for name in figures]
 
 
 @UNWARNED
