@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
 from pockmark.base.units import to_si
 from pockmark.run.pictures import plot_process
+from pockmark.view.canvas import blank, plain_axes
 
 
 class Row:
@@ -68,11 +67,8 @@ def read_results(path: Path) -> list[Row]:
 @contextmanager
 def figure(path: Path, x: str, y: str) -> Iterator[Axes]:
     """Give axes that become a PNG."""
-    drawing = Figure(figsize=(6.4, 4.4), layout="constrained")
-    FigureCanvasAgg(drawing)
-    axes = drawing.subplots()
-    axes.set(xlabel=x, ylabel=y)
-    yield axes
+    drawing = blank((6.4, 4.4))
+    yield plain_axes(drawing, x, y)
     drawing.savefig(path, dpi=120)
 
 

@@ -1,9 +1,10 @@
-"""Lets the tests of each folder import the folder's helpers, and asks for the fuzzer's long form."""
+"""Lets the tests of each folder import the helpers of tests/verification and tests/run, and asks for the fuzzer's long form."""
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent / "verification"))
+for folder in ("verification", "run"):
+    sys.path.insert(0, str(Path(__file__).parent / folder))
 
 
 def pytest_addoption(parser):

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import paper
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from reporting import Row, write_rows
@@ -16,6 +15,7 @@ from skimage.measure import approximate_polygon
 
 from pockmark.metrology.surface import Surface
 from pockmark.run.measured import surface_of_run
+from pockmark.view.canvas import UM, blank, draw_lines
 
 Lines = list[NDArray[np.float64]]  # um
 PLANE = 12.5e-6  # m: the row and the column of craters nearest to the middle
@@ -65,9 +65,7 @@ def _read(path: Path) -> dict[str, Lines]:
 
 
 def _page(rows: Sequence[Row], slices: Path, title: str) -> Figure:
-    page = Figure(figsize=(10, 2.6 * len(rows) + 0.6), layout="constrained")
-    FigureCanvasAgg(page)
-    page.suptitle(f"{title}: z = -h/2, y = 12.5 um, x = 12.5 um")
+    page = blank((10, 2.6 * len(rows) + 0.6), title=f"{title}: z = -h/2, y = 12.5 um, x = 12.5 um")
     for row, panels in zip(rows, page.subplots(len(rows), 3, squeeze=False), strict=True):
         theirs = paper.LETTERS[paper.mode(row.angle, row.flux, row.speed) - 1]
         panels[0].set_title(f"{row.label} (paper: {theirs})", fontsize="small", loc="left")
@@ -77,7 +75,6 @@ def _page(rows: Sequence[Row], slices: Path, title: str) -> Figure:
 
 
 def _draw(axes: Axes, names: str, lines: Lines) -> None:
-    for line in lines:
-        axes.plot(*line.T, "k-", linewidth=0.8)
+    draw_lines(axes, [line * UM for line in lines])
     axes.set(xlabel=f"{names[0]} (um)", ylabel=f"{names[1]} (um)", xlim=(-80, 80), aspect="equal")
     axes.set_ylim((-80, 80) if names == "xy" else (-50, 30))

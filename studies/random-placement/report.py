@@ -6,14 +6,13 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from pockmark.metrology.modes import ROMAN
 from pockmark.metrology.morphology import group_of
 from pockmark.run.measured import surface_of_run
 from pockmark.run.setup import setup_of
 from pockmark.run.store import RunFolder
+from pockmark.view.canvas import MARK, blank, draw_lines
 
 
 def main() -> None:
@@ -21,8 +20,7 @@ def main() -> None:
     results, runs, out = map(Path, sys.argv[1:4])
     with results.open(newline="", encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if not row["fault"]]
-    page = Figure(figsize=(11, 2.3 * -(-len(rows) // 4) + 3.2), layout="constrained")
-    FigureCanvasAgg(page)
+    page = blank((11, 2.3 * -(-len(rows) // 4) + 3.2))
     maps, below = page.subfigures(2, 1, height_ratios=[2.3 * -(-len(rows) // 4), 3.2])
     panels = maps.subplots(-(-len(rows) // 4), 4, squeeze=False, sharex=True, sharey=True).ravel()
     depths = {}
@@ -30,9 +28,7 @@ def main() -> None:
         seed, mode = row["body.swarm.seed"], row.get("group.mode")
         surface = surface_of_run(runs / row["scene"])
         group = group_of(surface, setup_of(RunFolder.open(runs / row["scene"]).scene()))
-        lines = surface.section(2, -surface.spacing / 2) if surface else []
-        for line in lines:
-            axes.plot(*(line * 1e6).T, "k-", linewidth=0.8)
+        draw_lines(axes, surface.section(2, -surface.spacing / 2) if surface else [])
         axes.set(aspect="equal", xlim=(-70, 70), ylim=(0, 70))
         axes.set_title(f"seed {seed}: mode {ROMAN[int(mode) - 1] if mode else 'none'}", fontsize="small")
         depths[seed] = [pit.depth * 1e6 for pit in group.pits] if group else []
@@ -41,7 +37,7 @@ def main() -> None:
     axes = below.subplots()
     for seed, of in depths.items():
         axes.plot([int(seed)] * len(of), of, "k.")
-        axes.plot(int(seed), np.mean(of) if of else np.nan, "o", mfc="none", color="crimson")
+        axes.plot(int(seed), np.mean(of) if of else np.nan, "o", mfc="none", color=MARK)
     axes.set(xlabel="seed", ylabel="depth of each crater,\nmean (circle), um")
     page.savefig(out / "figure.png", dpi=90)
 

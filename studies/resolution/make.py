@@ -19,6 +19,7 @@ from pockmark.run.simulation import thread_count
 from pockmark.scene.warnings import cells_across
 from pockmark.study.convergence import Finding, cases_of, findings, sentence
 from pockmark.study.levels import plan_of
+from pockmark.study.processes import Processes
 from pockmark.study.runner import run_study
 
 ROOT = Path(__file__).parents[2]
@@ -35,7 +36,7 @@ def main() -> None:
     for speed in SPEEDS:
         scene = Scene.load(SCENE, [f"impact.speed='{speed}'"])
         plan = plan_of(scene, most=LEVELS, budget=BUDGET, threads=thread_count(0))
-        found = findings(plan, run_study(cases_of(plan), RUNS, jobs=1, console=console))
+        found = findings(plan, run_study(cases_of(plan), RUNS, pool=Processes(1), console=console))
         for finding in found:
             console.print(f"{speed}: {sentence(finding)}")
         if measures := converged(found, [level.scene for level in plan.levels]):

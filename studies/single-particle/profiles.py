@@ -6,6 +6,7 @@ from pathlib import Path
 from reporting import Row, figure, write_table
 
 from pockmark.run.measured import surface_of_run
+from pockmark.view.canvas import draw_lines
 
 
 def profile_figure(rows: Sequence[Row], runs: Path, out: Path) -> None:
@@ -28,8 +29,8 @@ def _draw(rows: Sequence[Row], runs: Path, path: Path) -> None:
     with figure(path, "x (um)", "z (um)") as axes:
         for row in rows:
             surface = surface_of_run(runs / row.scene)
-            line = max(surface.section(1, 0.0), key=len) * 1e6 if surface else []
+            lines = [max(surface.section(1, 0.0), key=len)] if surface else []
             name, style = ("sticky", "k-") if row.friction is None else (f"friction {row.friction:g}", "-")
-            axes.plot(*zip(*line, strict=True), style, linewidth=1, label=name)
+            draw_lines(axes, lines, style, label=name)
         axes.set_aspect("equal")
         axes.legend(fontsize="small")

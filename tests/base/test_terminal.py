@@ -15,6 +15,7 @@ from pockmark.base.errors import found, shown, together
 from pockmark.base.geometry import Setup
 from pockmark.base.terminal import literal, make_console
 from pockmark.study.campaign import Case
+from pockmark.study.processes import Processes
 from pockmark.study.runner import Outcome, run_study, summary
 from pockmark.view.plots import slice_figure
 
@@ -78,7 +79,7 @@ def test_what_a_study_says_of_a_run_is_literal(tmp_path):
     case = Case(Scene.load(QUICK), {"k": "[/b] \x1b[31m"}, ["g[/b]"])
     (tmp_path / case.scene.hash).write_text("mine")
     console = Console(file=io.StringIO(), width=300)
-    run_study([case], tmp_path, jobs=1, console=console)
+    run_study([case], tmp_path, pool=Processes(1), console=console)
     said = console.file.getvalue()
     print(said)
     assert r"g[/b], k [/b] \x1b[31m: is a file" in said
@@ -166,6 +167,7 @@ def test_pictures_show_titles_and_names_as_they_are(text):
         "position": np.random.default_rng(1).uniform(-1e-5, 0, (n, 3)) * [1, 0, 1],
         "body": np.array([0, 1, 0, 1]),
         "volume": np.full(n, 1e-18),
+        "mass": np.full(n, 1e-15),
         "deviator": np.zeros((n, 6)),
         "pressure": np.zeros(n),
         "time": np.zeros(1),

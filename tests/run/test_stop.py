@@ -21,6 +21,7 @@ from pockmark.run.pictures import plot_run
 from pockmark.run.pipeline import run_scene
 from pockmark.run.store import RunFolder
 from pockmark.study.campaign import cases, load
+from pockmark.study.processes import Processes
 from pockmark.study.runner import place, run_study
 
 QUICK = Path(__file__).parents[2] / "examples" / "quick.toml"
@@ -128,7 +129,7 @@ def test_a_killed_run_reads_as_killed_and_is_measured_and_drawn(killed, tmp_path
     said = " ".join(re.sub("[│┃|]", " ", said).split())
     assert f"killed at {last['time'] * 1e9:.4g} ns; the last snapshot is of 0 ns" in said
     assert "a torn last row of its history is left out" in said
-    assert {path.name for path in plot_run(folder)} == {"crater.png", "history.png"}
+    assert {path.name for path in plot_run(folder)} == {"crater.png", "fields.png", "top.png", "history.png"}
     assert standing_of(folder).startswith("killed at ")
 
 
@@ -250,7 +251,7 @@ def test_a_worker_that_is_killed_stops_no_other_run(campaign):
 
     killer = threading.Thread(target=kill_the_first)
     killer.start()
-    outcomes = run_study(found, out, jobs=1, console=Console(file=io.StringIO()), coarse=True)
+    outcomes = run_study(found, out, pool=Processes(1), console=Console(file=io.StringIO()), coarse=True)
     killer.join()
     print([outcome.fault for outcome in outcomes])
     assert [bool(outcome.fault) for outcome in outcomes] == [True, False, False]

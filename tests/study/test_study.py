@@ -14,7 +14,9 @@ from rich.console import Console
 from pockmark import PHYSICS, PockmarkError, __version__
 from pockmark.run.pipeline import run_scene
 from pockmark.study.campaign import cases, load
-from pockmark.study.runner import Outcome, is_done, line_of, place, run_study, summary, write_results
+from pockmark.study.making import is_done
+from pockmark.study.processes import Processes
+from pockmark.study.runner import Outcome, line_of, place, run_study, summary, write_results
 
 ROOT = Path(__file__).parents[2]
 TEXT = """
@@ -59,12 +61,12 @@ def test_what_is_done_is_kept_and_what_fails_stops_nothing(folder, tmp_path):
     # The first case cannot run.
     place(out, found[0]).parent.mkdir(parents=True)
     place(out, found[0]).write_text("a file where the run's folder should be")
-    outcomes = run_study(found, out, jobs=2, console=console)
+    outcomes = run_study(found, out, pool=Processes(2), console=console)
     print([(o.case.label, o.fault, o.kept) for o in outcomes])
     assert [bool(o.fault) for o in outcomes] == [True, False, False]
     assert outcomes[1].result["run"]["steps"] > 0
     place(out, found[0]).unlink()
-    again = run_study(found, out, jobs=1, console=console)
+    again = run_study(found, out, pool=Processes(1), console=console)
     assert [o.kept for o in again] == [False, True, True]
     assert all(is_done(place(out, case)) for case in found)
     assert not any(o.fault for o in again)
@@ -148,7 +150,7 @@ def test_a_part_of_a_campaign_keeps_the_rows_of_the_others(folder, tmp_path):
     every = cases(load(folder), folder, quick=False, only=[])
 
     def rows(*wanted):
-        outcomes = run_study(wanted, out, jobs=1, console=Console(file=io.StringIO()))
+        outcomes = run_study(wanted, out, pool=Processes(1), console=Console(file=io.StringIO()))
         write_results(outcomes, out, table, every)
         return list(csv.DictReader(table.open()))
 
@@ -163,7 +165,7 @@ def test_a_part_of_a_campaign_keeps_the_rows_of_the_others(folder, tmp_path):
     text = table.read_text().replace(f",{__version__},{PHYSICS},", f",{__version__},{PHYSICS - 1},")
     assert text != table.read_text()
     table.write_text(text)
-    outcomes = run_study([every[0]], out, jobs=1, console=Console(file=io.StringIO()))
+    outcomes = run_study([every[0]], out, pool=Processes(1), console=Console(file=io.StringIO()))
     assert write_results(outcomes, out, table, every) == 1
     assert [row["scene"] for row in csv.DictReader(table.open())] == [every[0].scene.hash]
 

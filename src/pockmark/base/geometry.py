@@ -85,6 +85,12 @@ class Setup:
     arrival: float | None = None  # s: when the first projectile meets z = 0; None where none moves
     settled: float | None = None  # s: when the crater should have settled; None where nothing is known
     is_axisymmetric: bool = False  # points are rings: x their radius, mass and volume those of the circle
+    cell: float = 0.0  # m, the width of the grid's cells; 0 where there is no grid
+
+    @property
+    def resolved(self) -> float:
+        """Return what a picture can resolve, m: a cell, and no less than a spacing."""
+        return max(self.cell, self.spacing)
 
     @property
     def targets(self) -> tuple[int, ...]:

@@ -9,7 +9,22 @@ import typer
 
 from .. import __version__
 from ..base.errors import PockmarkError, shown
-from . import bench, check, converge, demo, explain, materials, measure, new, plot, resume, run, study
+from . import (
+    bench,
+    check,
+    converge,
+    demo,
+    explain,
+    materials,
+    measure,
+    new,
+    plot,
+    report,
+    resume,
+    run,
+    study,
+    view,
+)
 from .common import MAX_PATH
 
 app = typer.Typer(
@@ -19,8 +34,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 for command in (
-    *(run.run, resume.resume, check.check, measure.measure, plot.plot, bench.bench, study.study),
-    *(converge.converge, materials.materials, explain.explain, new.new, demo.demo),
+    *(run.run, resume.resume, check.check, measure.measure, plot.plot, view.view, report.report, bench.bench),
+    *(study.study, converge.converge, materials.materials, explain.explain, new.new, demo.demo),
 ):
     app.command()(command)
 

@@ -16,6 +16,7 @@ from ..scene.scene import Scene
 from ..study.convergence import Finding, cases_of, findings, order_told, panels, sentence
 from ..study.convergence_table import table_of, write_files
 from ..study.levels import Plan, plan_of
+from ..study.processes import Processes
 from ..study.runner import Outcome, run_study
 from ..view.convergence import convergence_figure
 from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse, Overrides, SceneFile
@@ -43,7 +44,7 @@ def converge(
     _print_plan(plan)
     out = output or Path("runs") / "converge" / scene.stem
     try:
-        outcomes = run_study(cases_of(plan), out, jobs=jobs, console=CONSOLE, coarse=coarse)
+        outcomes = run_study(cases_of(plan), out, pool=Processes(jobs), console=CONSOLE, coarse=coarse)
     except KeyboardInterrupt:
         CONSOLE.print("interrupted: what is done is kept, the same command goes on", style="yellow")
         raise typer.Exit(130) from None

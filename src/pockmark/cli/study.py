@@ -1,5 +1,6 @@
 """`pockmark study`: a campaign of runs, and its table."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
@@ -9,9 +10,11 @@ from ..base.errors import PockmarkError, shown
 from ..base.files import told
 from ..base.shipped import shipped
 from ..base.terminal import literal
-from ..study.campaign import FILE, cases, load
-from ..study.runner import make_report, run_study, summary, write_results
+from ..study.campaign import FILE, Campaign, cases, load
+from ..study.runner import Outcome, make_report, run_study, summary, write_results
+from ..study.slurm import Slurm
 from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse
+from .pools import pool_of
 
 
 def study(
@@ -23,7 +26,21 @@ def study(
     ],
     quick: Annotated[bool, typer.Option(help="The coarse, short form.")] = False,
     only: Annotated[list[str] | None, typer.Option(help="A group or figure of the campaign.")] = None,
-    jobs: Annotated[int, typer.Option(min=1, max=256, help="Runs at a time; they share the cores.")] = 1,
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            min=1, max=256, help="Runs at a time; they share the cores (1). With --slurm: jobs of Slurm's."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS", help="A dask scheduler, whose workers make the runs: tcp://node1:8786."
+        ),
+    ] = None,
+    slurm: Annotated[
+        bool, typer.Option("--slurm", help=f"Make the runs in jobs of Slurm's, as [slurm] in {FILE} says.")
+    ] = False,
     output: Annotated[Path, typer.Option("-o", "--output", help="Where the runs are kept.")] = Path(
         "runs/studies"
     ),
@@ -33,8 +50,10 @@ def study(
     folder, place = _folders(name, output, quick=quick)
     campaign = load(folder)
     wanted = cases(campaign, folder, quick=quick, only=only or [])
+    asked = _table(campaign, folder) if slurm else None
     try:
-        outcomes = run_study(wanted, output, jobs=jobs, console=CONSOLE, coarse=coarse or campaign.coarse)
+        with pool_of(jobs, scheduler, asked, output / "slurm") as pool:
+            outcomes = run_study(wanted, output, pool=pool, console=CONSOLE, coarse=coarse or campaign.coarse)
     except KeyboardInterrupt:
         CONSOLE.print("interrupted: what is done is kept, the same command goes on", style="yellow")
         raise typer.Exit(130) from None
@@ -54,6 +73,18 @@ def study(
         )
     if campaign.report:
         make_report(folder / campaign.report, table, output)
+    _leave(outcomes)
+
+
+def _table(campaign: Campaign, folder: Path) -> Slurm:
+    """Return what a campaign asks of Slurm. Raises PockmarkError if it does not say."""
+    if campaign.slurm is None:
+        raise PockmarkError(f"--slurm: {folder / FILE} has no table [slurm]: queue, walltime, cores, memory")
+    return campaign.slurm
+
+
+def _leave(outcomes: Sequence[Outcome]) -> None:
+    """Leave with an exit code where runs failed or are doubtful, and say so."""
     if failed := sum(bool(o.fault) for o in outcomes):
         CONSOLE.print(f"{failed} of {len(outcomes)} runs failed", style="red")
     if doubtful := sum(outcome.is_doubtful for outcome in outcomes):

@@ -21,7 +21,6 @@ EDGE = 3  # coarse cells at the target's sides in which no crater is looked for:
 # Room around the open cells for the rim and for the bottom's fit: in coarse cells, or as a share of a wide crater's width.
 MARGIN = np.array([4, 4, 3])
 RIM = np.array([0.15, 0.15, 0.0])
-REACH = 3  # nodes that a tent may reach beyond the box
 
 
 @dataclass(frozen=True)
@@ -262,16 +261,18 @@ def _neighbourhood(target: _Target) -> tuple[Array, Array] | None:
 
 
 def volume_fraction(
-    position: Array, share: Array, first: NDArray[np.int64], last: NDArray[np.int64]
+    position: Array, share: Array, first: NDArray[np.int64], last: NDArray[np.int64], nodes: int = 2
 ) -> Array:
-    """Return the fraction at the nodes first .. last, half a spacing apart, of space or of a plane.
+    """Return the fraction at the nodes first .. last, `nodes` of them to a tent's width, of space or of a plane.
 
-    `position` (n, 3 or 2) is in spacings, `share` (n,) in cubes or squares of a spacing. A tent of one spacing is the
-    sum of three of half a spacing, weighted 1/2, 1, 1/2: so eight nodes a point are enough, or four.
+    `position` (n, 3 or 2) is in widths, `share` (n,) in cubes or squares of a width. A tent as wide as two nodes is
+    the sum of three of one node's, weighted 1/2, 1, 1/2: so eight nodes a point are enough, or four. Of wider ones it
+    is the same, with more of them.
     """
-    local = 2 * position - (first - REACH)
+    reach = nodes + 1  # nodes that a tent may reach beyond the box
+    local = nodes * position - (first - reach)
     base = np.floor(local).astype(np.int64)
-    shape = tuple(last - first + 1 + 2 * REACH)
+    shape = tuple(last - first + 1 + 2 * reach)
     inside = np.all((base >= 0) & (base < np.array(shape) - 1), axis=1)
     base, local, share = base[inside], local[inside], share[inside]
     weights = np.stack([1.0 - (local - base), local - base])
@@ -284,6 +285,7 @@ def volume_fraction(
             weight = weight * weights[side, :, axis]
         out += np.bincount(node, weight, minlength=out.size)
     fraction = out.reshape(shape)
+    tent = 1 - np.abs(np.arange(1 - nodes, nodes)) / nodes
     for axis in axes:
-        fraction = ndimage.convolve1d(fraction, [0.5, 1.0, 0.5], axis=axis)
-    return np.asarray(fraction[(slice(REACH, -REACH),) * len(shape)])
+        fraction = ndimage.convolve1d(fraction, tent, axis=axis)
+    return np.asarray(fraction[(slice(reach, -reach),) * len(shape)])

@@ -133,7 +133,7 @@ def _packed(values: NDArray[Any], rows: int) -> bytes:
     piece = np.zeros((rows, *values.shape[1:]), values.dtype)
     piece[: len(values)] = values
     by_number = piece.view(np.uint8).reshape(-1, values.dtype.itemsize)
-    return zlib.compress(np.ascontiguousarray(by_number.T), LEVEL)
+    return zlib.compress(by_number.T.tobytes(), LEVEL)
 
 
 def sum_of(values: NDArray[Any]) -> int:

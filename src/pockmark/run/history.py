@@ -99,6 +99,22 @@ def read_rows(path: Path, *, torn_end: bool = False) -> Rows:
     return Rows(dict(zip(names, table, strict=True)), torn)
 
 
+def last_time(path: Path) -> float:
+    """Return the time of the last whole row, s; 0 where there is none yet. Raises PockmarkError.
+
+    However long a history is, its end alone is read: this is asked often.
+    """
+    if not os.path.lexists(path):
+        return 0.0
+    with told(path), open(open_regular(path, os.O_RDONLY), "rb") as file:
+        file.seek(max(0, file.seek(0, os.SEEK_END) - LONGEST_LINE))
+        lines = file.read(LONGEST_LINE).decode(errors="replace").splitlines(keepends=True)
+    for line in reversed(lines):
+        if (numbers := _numbers(line, 1 + line.count(","))) is not None:
+            return numbers[0]
+    return 0.0
+
+
 def _write_all(file: io.FileIO, data: bytes) -> None:
     """Write to the last byte.
 

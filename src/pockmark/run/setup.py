@@ -31,6 +31,7 @@ def setup_of(scene: Scene) -> Setup:
         arrival=min(arrivals(scene), default=None),
         settled=settled_at(scene),
         is_axisymmetric=scene.grid.is_axisymmetric,
+        cell=scene.grid.cell,
     )
 
 

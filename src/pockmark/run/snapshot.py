@@ -64,6 +64,10 @@ class Snapshot(Mapping[str, NDArray[Any]]):
                 self._read[name] = values_of(self._dataset(root, name, size), self._places[name])
         return self._read[name]
 
+    def __contains__(self, name: object) -> bool:
+        """Return whether there is a field of a name, without reading it."""
+        return name in self._places
+
     def __iter__(self) -> Iterator[str]:
         """Return the names of the fields."""
         return iter(self._places)

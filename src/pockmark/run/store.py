@@ -15,7 +15,7 @@ from ..base.json import to_json
 from ..base.toml import parse_toml
 from ..scene.identity import hash_of
 from ..scene.scene import Scene
-from .history import Rows, append_row, read_rows
+from .history import Rows, append_row, last_time, read_rows
 from .lock import LOCK, Lock, holder
 from .manifest import Measured, parse_manifest, row_as_record, validated
 from .provenance import commit, machine, now
@@ -33,7 +33,13 @@ OWN_FILES = (
     SERIES,
     "checkpoint-*.h5",
     "crater.png",
+    "fields.png",
+    "top.png",
     "history.png",
+    "view.png",
+    "view.gif",
+    "view.mp4",
+    "report.html",
     MANIFEST,
 )
 UNENDED = ("running", "killed")
@@ -159,6 +165,14 @@ class RunFolder:
         """
         status = str(self.manifest()["status"])
         return "killed" if status == "running" and holder(self.path) is None else status
+
+    def live(self) -> tuple[str, float] | None:
+        """Return who runs in the folder now, and the time that the run has reached, s; None if nobody does.
+
+        Raises PockmarkError.
+        """
+        who = holder(self.path)
+        return None if who is None else (who, last_time(self.path / HISTORY))
 
     def record(self, cells: int) -> Measured:
         """Return what the manifest says of the run's end.

@@ -58,7 +58,7 @@ def fit_warnings(scene: Scene) -> list[str]:
 
     Say also where Eq. 22 can predict none.
     """
-    out, ball = [], _largest(scene)
+    out, ball = [], largest_ball(scene)
     for i in scene.targets:
         body = scene.body[i]
         material = scene.materials[body.material]
@@ -84,7 +84,7 @@ def fit_warnings(scene: Scene) -> list[str]:
 
 def settling_warnings(scene: Scene) -> list[str]:
     """Say whether the run ends before the crater has settled, or before all projectiles have arrived."""
-    end, ball = f"end_time: {scene.end_time * 1e9:.4g} ns", _largest(scene)
+    end, ball = f"end_time: {scene.end_time * 1e9:.4g} ns", largest_ball(scene)
     if (settled := settled_at(scene)) is not None and ball and scene.end_time < settled:
         return [f"{end}; the crater is settled after about {settled * 1e9:.3g} ns{_stands_for(ball)}"]
     times = arrivals(scene)
@@ -109,7 +109,7 @@ def predicted_depth(scene: Scene, target: Material) -> float | None:
     The speed in it is the normal part. A body that is no ball counts as the ball of its volume. None without a
     projectile, a speed or a yield strength.
     """
-    ball = _largest(scene)
+    ball = largest_ball(scene)
     strength = target.yield_strength
     return _depth(scene, ball, strength) if ball and strength else None
 
@@ -142,7 +142,7 @@ def _balls(scene: Scene) -> list[Ball]:
     return out
 
 
-def _largest(scene: Scene) -> Ball | None:
+def largest_ball(scene: Scene) -> Ball | None:
     """Return the ball that makes the deepest crater by Eq. 22, in any target; None if nothing moves."""
     if not scene.impact.speed:
         return None

@@ -14,6 +14,7 @@ from ..base.toml import read_toml, to_toml
 from ..scene.model import Model
 from ..scene.scene import Scene
 from ..scene.sentences import sentence
+from .slurm import Slurm
 
 FILE = "campaign.toml"
 Changes = Annotated[dict[str, Any], Field(default_factory=dict)]  # "impact.speed": "4 km/s"
@@ -45,6 +46,7 @@ class Campaign(Model):
     coarse: Annotated[bool, Field(strict=True)] = False  # allows fewer than four cells across a projectile
     set: Changes
     quick: Changes
+    slurm: Slurm | None = None  # for --slurm
     group: Annotated[list[Group], Field(min_length=1)]
 
 

@@ -35,7 +35,7 @@ def study_frame(path: AnyPath) -> "DataFrame":
         raise PockmarkError(f"{where}: is no table of a campaign, for it lacks the column {FIRST}")
     units = {}
     for name in frame.columns[: frame.columns.get_loc(FIRST)]:
-        if numbers := _in_si(name, frame[name]):
+        if numbers := in_si(name, frame[name]):
             units[name], frame[name] = numbers
     for name in (name for name in LISTS if name in frame):
         frame[name] = [json.loads(text) if isinstance(text, str) else [] for text in frame[name]]
@@ -43,7 +43,7 @@ def study_frame(path: AnyPath) -> "DataFrame":
     return frame
 
 
-def _in_si(key: str, values: Iterable[Any]) -> tuple[str, list[float]] | None:
+def in_si(key: str, values: Iterable[Any]) -> tuple[str, list[float]] | None:
     """Return the unit of a swept key, and its values in it, nan where a run has none.
 
     None for a key that is no quantity of a unit, such as the name of a scheme or a corner.

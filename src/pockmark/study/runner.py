@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 
@@ -24,14 +23,15 @@ from ..base.files import replaced, told
 from ..base.lengths import in_metres, unit_for
 from ..base.terminal import literal
 from ..run.measured import measure_run
-from ..run.pipeline import can_resume, resume_run, run_scene
-from ..run.simulation import thread_count
 from ..run.stop import heard_between_steps
 from ..run.store import RunFolder
 from ..scene.forecast import forecast
-from ..scene.scene import Scene
 from .campaign import Case
-from .workers import run_apart
+from .making import is_done
+from .order import order_for
+from .pace import PACE, every
+from .pool import Pool
+from .progress import Watched, bars_of
 
 
 @dataclass
@@ -63,33 +63,38 @@ class Outcome:
 
 
 def run_study(
-    cases: Sequence[Case], out: Path, *, jobs: int, console: Console, coarse: bool = False
+    cases: Sequence[Case], out: Path, *, pool: Pool, console: Console, coarse: bool = False
 ) -> list[Outcome]:
-    """Run the cases that are not there yet, `jobs` at a time, and return the outcomes of all.
+    """Let a pool make the runs of the cases that are not there yet, and return the outcomes of all.
 
     A case with fewer than four cells across a projectile runs only if `coarse` allows it. Ctrl-C, SIGTERM and SIGHUP
-    raise KeyboardInterrupt; what is done is then kept, and no worker is left.
+    raise KeyboardInterrupt; what is done is then kept, and nothing runs any more.
     """
     there = [case for case in cases if is_done(place(out, case))]
-    open_cases = [case for case in cases if case not in there]
+    to_make = [case for case in cases if case not in there]
     outcomes = [_measured(case, out, kept=True) for case in there]
-    threads = max(1, thread_count(0) // jobs)
-    work = [forecast(case.scene, threads).seconds for case in open_cases]
-    with _progress(console) as bar, heard_between_steps() as stop_if_asked:
-        task = bar.add_task(f"{len(outcomes)} of {len(cases)} runs were there", total=sum(work) or None)
-        orders = [(case.scene.to_dict(), str(place(out, case)), threads, coarse) for case in open_cases]
-        for n, fault in run_apart(_run, orders, jobs, stop_if_asked):
-            case = open_cases[n]
+    orders = [order_for(case.scene.to_dict(), place(out, case), coarse=coarse) for case in to_make]
+    runs = [_watched(case, out) for case in to_make]
+    start = f"{len(outcomes)} of {len(cases)} runs were there"
+    with bars_of(console, runs, start) as bars, heard_between_steps() as stop_if_asked:
+        look = every(PACE, bars.look)
+
+        def between() -> None:
+            stop_if_asked()
+            look()
+
+        for n, fault in pool.finished(orders, between):
+            case = to_make[n]
             outcomes.append(Outcome(case, None, fault) if fault else _measured(case, out))
             failed = sum(bool(o.fault) for o in outcomes)
-            bar.update(
-                task,
-                advance=work[n],
-                description=f"{len(outcomes)} of {len(cases)} runs"
-                + (f", {failed} failed" if failed else ""),
-            )
-            bar.console.print(line_of(outcomes[-1]))
+            bars.end(n, f"{len(outcomes)} of {len(cases)} runs" + (f", {failed} failed" if failed else ""))
+            console.print(line_of(outcomes[-1]))
     return sorted(outcomes, key=lambda o: cases.index(o.case))
+
+
+def _watched(case: Case, out: Path) -> Watched:
+    """Return what the bars need to know of a run. One thread is as good as many: the runs' times are only compared."""
+    return Watched(case.label, place(out, case), case.scene.end_time, forecast(case.scene, 1).seconds)
 
 
 def _measured(case: Case, out: Path, *, kept: bool = False) -> Outcome:
@@ -103,16 +108,6 @@ def _measured(case: Case, out: Path, *, kept: bool = False) -> Outcome:
 def place(out: Path, case: Case) -> Path:
     """Return the folder of a case's run."""
     return out / case.scene.hash
-
-
-def is_done(folder: Path) -> bool:
-    """Return whether a folder holds a finished run of this version and this physics."""
-    try:
-        manifest = RunFolder.open(folder).manifest()
-    except PockmarkError:
-        return False
-    made_by = manifest.get("pockmark"), manifest.get("physics")
-    return manifest["status"] == "finished" and made_by == (__version__, PHYSICS)
 
 
 def summary(outcomes: Sequence[Outcome], title: str) -> Table:
@@ -190,35 +185,6 @@ def _made_by(folder: Path) -> dict[str, str]:
         manifest = {}
     names = {"version": "pockmark", "physics": "physics", "commit": "commit"}
     return {column: str(manifest.get(key) or "") for column, key in names.items()}
-
-
-def _run(scene: dict[str, Any], folder: str, threads: int, coarse: bool) -> str:
-    """Run a scene in a process of its own, from its checkpoint if it was stopped.
-
-    Returns why the run failed, or an empty text.
-    """
-    loaded = Scene.from_dict(scene)
-    try:
-        if can_resume(folder, loaded):
-            finished = resume_run(folder, threads=threads, progress=False).is_finished
-        else:
-            _, finished = run_scene(
-                loaded, folder, threads=threads, force=True, progress=False, coarse=coarse
-            )
-    except PockmarkError as error:
-        return str(error).removeprefix(f"{folder}: ")
-    return "" if finished else "interrupted"
-
-
-def _progress(console: Console) -> Progress:
-    """Return the progress bar of a campaign."""
-    return Progress(
-        TextColumn("{task.description}", markup=False),
-        BarColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-        console=console,
-    )
 
 
 def _flat(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

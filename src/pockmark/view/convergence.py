@@ -5,15 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from ..base.errors import shown
 from ..base.lengths import unit_for
 from ..metrology.limit import Limit
-
-# Of Okabe and Ito, whose colours the colour-blind tell apart. The marks differ by their shape, too.
-BLUE, ORANGE, GREY = "#0072b2", "#d55e00", "#7f7f7f"
+from .canvas import BLUE, GREY, ORANGE, blank
 
 
 class Panel(NamedTuple):
@@ -32,9 +28,7 @@ def convergence_figure(panels: Sequence[Panel], title: str) -> Figure:
     """Draw a panel for each measure. The cells begin at 0, where the limit is."""
     columns = 2 if len(panels) > 1 else 1
     rows = max(1, -(-len(panels) // columns))
-    figure = Figure(figsize=(5 * columns, 3.6 * rows + 0.4), layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(shown(title, 80), parse_math=False)
+    figure = blank((5 * columns, 3.6 * rows + 0.4), title=title)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, panel in zip(grid, panels, strict=False):
         _draw(axes, panel)

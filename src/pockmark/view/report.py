@@ -21,11 +21,17 @@ def report(result: Results) -> Table:
     for sentence in result["warnings"]:
         table.add_row(literal("warning", "yellow"), literal(sentence, "yellow"))
     table.add_section()
-    for part in (_crater, _group, _ejecta, _energy, _run, _counted):
-        for name, value in part(result):
+    for rows in parts(result).values():
+        for name, value in rows:
             table.add_row(literal(name), literal(value))
         table.add_section()
     return table
+
+
+def parts(result: Results) -> dict[str, list[tuple[str, str]]]:
+    """Return the rows of each part of the table, names and values as a reader sees them."""
+    makers = {"crater": _crater, "group": _group, "ejecta": _ejecta, "energy": _energy, "run": _run}
+    return {name: [*make(result)] for name, make in (makers | {"counters": _counted}).items()}
 
 
 def standing(status: str, time: float, snapshot_time: float, torn_rows: int) -> str:
