@@ -1,9 +1,9 @@
-"""Lets the tests of each folder import the helpers of tests/verification and tests/run, and asks for the fuzzer's long form."""
+"""Lets the tests of each folder import the helpers of some, and asks for the fuzzer's long form."""
 
 import sys
 from pathlib import Path
 
-for folder in ("verification", "run"):
+for folder in ("verification", "run", "cli"):
     sys.path.insert(0, str(Path(__file__).parent / folder))
 
 

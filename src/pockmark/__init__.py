@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from .study.frames import study_frame
 
 __version__ = version("pockmark")
-# The number of entries under "Physics" in CHANGELOG.md. A run of another number may have other figures.
 PHYSICS = 38
+"""The number of entries under "Physics" in CHANGELOG.md. A run of another number may have other figures."""
 
 __all__ = [
     "PHYSICS",

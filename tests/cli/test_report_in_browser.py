@@ -2,12 +2,12 @@
 
 import io
 import json
-import os
-import shutil
 import time
 
+import chromium
 import numpy as np
 import pytest
+from chromium import browser
 from PIL import Image
 from rings import small_rings
 
@@ -18,31 +18,8 @@ from pockmark.view.page import CampaignReport, Cell, campaign_page
 webdriver = pytest.importorskip("selenium.webdriver")
 pytest.importorskip("trame_vtk")
 pytest.importorskip("jinja2")
-CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(
-    not (CHROMIUM and DRIVER), reason="no chromium and chromedriver here (Debian: chromium, chromium-driver)"
-)
-# WebGL without a graphics card; root may not use the sandbox, and /dev/shm may be small.
-OPTIONS = (
-    *("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=900,800"),
-    *("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"),
-    *("--disable-background-networking", "--no-first-run"),
-)
+pytestmark = chromium.NEEDED
 PATIENCE = 60  # s: two cores draw what a graphics card should
-
-
-@pytest.fixture(scope="module")
-def browser():
-    options = webdriver.ChromeOptions()
-    options.binary_location = CHROMIUM
-    for option in OPTIONS:
-        options.add_argument(option)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    os.environ["SE_OFFLINE"] = "true"  # the driver is given: nothing is to be fetched
-    service = webdriver.ChromeService(DRIVER)
-    driver = webdriver.Chrome(options=options, service=service)
-    yield driver
-    driver.quit()
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +28,9 @@ def page(tmp_path_factory):
     run_scene(small_rings("4 ns"), folder, threads=1, progress=False)
     report([folder])
     return folder / "report.html"
+
+
+__all__ = ["browser"]  # a fixture
 
 
 def until(condition):

@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from ..base.errors import shown
 from ..base.terminal import make_console
 
 CONSOLE = make_console()
@@ -25,3 +26,8 @@ Coarse = Annotated[
     bool, typer.Option("--coarse", help="Run with fewer than four cells across the projectile.")
 ]
 Threads = Annotated[int, typer.Option(help="Threads; 0 takes every core.")]
+
+
+def say_written(path: Path, more: str = "") -> None:
+    """Say that a file was written: its path is in one piece, however long, to be copied."""
+    CONSOLE.print(f"wrote {shown(path, MAX_PATH)}{more}", soft_wrap=True)

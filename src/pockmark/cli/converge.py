@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from ..base.errors import PockmarkError, shown
+from ..base.errors import PockmarkError
 from ..base.files import replaced
 from ..base.lengths import in_metres
 from ..base.terminal import literal
@@ -19,7 +19,7 @@ from ..study.levels import Plan, plan_of
 from ..study.processes import Processes
 from ..study.runner import Outcome, run_study
 from ..view.convergence import convergence_figure
-from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse, Overrides, SceneFile
+from .common import CONSOLE, DOUBTFUL, Coarse, Overrides, SceneFile, say_written
 
 
 def converge(
@@ -51,7 +51,7 @@ def converge(
     found = findings(plan, outcomes)
     _print_found(plan, found, loaded.title or scene.stem)
     for path in [*write_files(plan, found, outcomes, out), _draw(found, loaded.title or scene.stem, out)]:
-        CONSOLE.print(f"wrote {shown(path, MAX_PATH)}")
+        say_written(path)
     _leave(outcomes)
 
 

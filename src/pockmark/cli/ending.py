@@ -2,13 +2,12 @@
 
 import typer
 
-from ..base.errors import shown
 from ..run.keeper import checkpoints
 from ..run.measured import measure_run
 from ..run.pictures import plot_run
 from ..run.store import RunFolder
 from ..view.report import report
-from .common import CONSOLE, DOUBTFUL, MAX_PATH
+from .common import CONSOLE, DOUBTFUL, say_written
 
 
 def measured_and_drawn(folder: RunFolder) -> bool:
@@ -16,7 +15,7 @@ def measured_and_drawn(folder: RunFolder) -> bool:
     result = measure_run(folder.path)
     CONSOLE.print(report(result))
     for picture in plot_run(folder.path):
-        CONSOLE.print(f"wrote {shown(picture, MAX_PATH)}")
+        say_written(picture)
     return bool(result["doubts"])
 
 

@@ -6,12 +6,12 @@ from typing import Annotated
 import typer
 from rich.table import Table
 
-from ..base.errors import PockmarkError, shown
+from ..base.errors import PockmarkError
 from ..base.files import as_path, told
 from ..base.shipped import example, examples
 from ..base.terminal import literal
 from ..base.toml import read_toml
-from .common import CONSOLE, MAX_PATH
+from .common import CONSOLE, say_written
 
 
 def new(
@@ -34,7 +34,7 @@ def new(
         if path.exists():
             raise PockmarkError(f"{path}: is there, and is not overwritten: give another name") from None
         raise
-    CONSOLE.print(f"wrote {shown(path, MAX_PATH)}", soft_wrap=True)
+    say_written(path)
     CONSOLE.print(f"next: pockmark check {path}, pockmark run {path}", soft_wrap=True)
 
 

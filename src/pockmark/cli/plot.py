@@ -5,11 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ..base.errors import shown
 from ..base.terminal import literal
 from ..run.measured import standing_of
 from ..run.pictures import plot_run
-from .common import CONSOLE, MAX_PATH, RunDir
+from .common import CONSOLE, RunDir, say_written
 
 
 def plot(
@@ -18,6 +17,6 @@ def plot(
 ) -> None:
     """Draw the slice through the crater and the history."""
     for picture in plot_run(folder, output):
-        CONSOLE.print(f"wrote {shown(picture, MAX_PATH)}")
+        say_written(picture)
     if said := standing_of(folder):
         CONSOLE.print(literal(f"the run is {said}", "yellow"))

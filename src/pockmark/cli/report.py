@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from .. import __version__
-from ..base.errors import PockmarkError, shown
+from ..base.errors import PockmarkError
 from ..base.files import told, write_text
 from ..base.terminal import literal
 from ..run.beside import comparison
@@ -15,7 +15,7 @@ from ..run.reported import run_report
 from ..run.store import MANIFEST
 from ..study.reported import campaign_report, table_in
 from ..view.page import campaign_page, comparison_page, require_jinja, run_page
-from .common import CONSOLE, MAX_PATH
+from .common import CONSOLE, say_written
 
 PAGE = "report.html"
 
@@ -60,4 +60,4 @@ def _write(page: str, path: Path) -> None:
     with told(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, page)
-    CONSOLE.print(f"wrote {shown(path, MAX_PATH)} ({len(page.encode()) / 1e6:.1f} MB)")
+    say_written(path, f" ({len(page.encode()) / 1e6:.1f} MB)")

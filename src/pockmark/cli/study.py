@@ -13,7 +13,7 @@ from ..base.terminal import literal
 from ..study.campaign import FILE, Campaign, cases, load
 from ..study.runner import Outcome, make_report, run_study, summary, write_results
 from ..study.slurm import Slurm
-from .common import CONSOLE, DOUBTFUL, MAX_PATH, Coarse
+from .common import CONSOLE, DOUBTFUL, Coarse, say_written
 from .pools import pool_of
 
 
@@ -62,7 +62,7 @@ def study(
         place.mkdir(parents=True, exist_ok=True)
     table = place / f"results{'-quick' if quick else ''}.csv"
     older = write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
-    CONSOLE.print(f"wrote {shown(table, MAX_PATH)}")
+    say_written(table)
     if older:
         CONSOLE.print(
             literal(

@@ -5,11 +5,10 @@ from typing import Annotated
 
 import typer
 
-from ..base.errors import shown
 from ..base.terminal import literal
 from ..run.measured import standing_of
 from ..run.viewing import has_display, shells_of, write_views
-from .common import CONSOLE, MAX_PATH, RunDir
+from .common import CONSOLE, RunDir, say_written
 
 
 def view(
@@ -28,7 +27,7 @@ def view(
     shells = shells_of(folder, field)
     if off_screen or output or not has_display():
         for picture in write_views(shells, output or folder):
-            CONSOLE.print(f"wrote {shown(picture, MAX_PATH)}")
+            say_written(picture)
         if len(shells) == 1:
             CONSOLE.print("one snapshot: there is nothing to animate")
     else:

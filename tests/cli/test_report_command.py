@@ -18,6 +18,7 @@ from pockmark.cli.report import report
 from pockmark.run.compared import compared
 from pockmark.run.reported import cautions
 from pockmark.study.campaign import cases, load
+from pockmark.study.processes import Processes
 from pockmark.study.runner import run_study, write_results
 from pockmark.view.report import parts
 
@@ -135,7 +136,7 @@ def campaign(tmp_path_factory):
     small_rings("8 ns").save(folder / "scene.toml")
     (folder / "campaign.toml").write_text(CAMPAIGN)
     every = cases(load(folder), folder, quick=False, only=[])
-    outcomes = run_study(every, folder, jobs=1, console=Console(file=io.StringIO()))
+    outcomes = run_study(every, folder, pool=Processes(1), console=Console(file=io.StringIO()))
     write_results(outcomes, folder, folder / "results.csv")
     return folder
 
