@@ -35,6 +35,9 @@ def test_densities_and_angle_scale_as_published():
     assert cour_palais(5000, density_ratio=0.5, **kwargs) / cour_palais(5000, **kwargs) == pytest.approx(
         0.5**0.5
     )
+    assert cour_palais(5000, density_ratio=2.8, **kwargs) / cour_palais(5000, **kwargs) == pytest.approx(
+        2.8 ** (2 / 3)
+    )
     double = summers_charters(5000, sound_speed=5330, density_ratio=2) / summers_charters(
         5000, sound_speed=5330
     )

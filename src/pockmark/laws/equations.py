@@ -24,17 +24,17 @@ def cour_palais(
     density_ratio: float = 1.0,
     angle: float = 0.0,
 ) -> float:
-    """Return P/d of Cour-Palais as in Christiansen's NASA handbook, for `density_ratio` = rho_p/rho_t < 1.5.
+    """Return P/d of Cour-Palais as in Christiansen's NASA handbook (NASA/TM-2009-214785, Eqs. 4-1, 4-2).
 
+    The exponent of `density_ratio` = rho_p/rho_t is 1/2 below 1.5, and 2/3 from there on.
     `speed` and the target's `sound_speed` are in m/s, `diameter` in m, `angle` from the normal in rad. `brinell` is
     the target's Brinell hardness, kgf/mm^2.
     """
     centimetres = 100 * diameter
     normal = speed * math.cos(angle) / sound_speed
-    hardness = math.pow(brinell, -0.25)
-    return (
-        5.24 * math.pow(centimetres, 1 / 18) * hardness * math.sqrt(density_ratio) * math.pow(normal, 2 / 3)
-    )
+    hardness, exponent = math.pow(brinell, -0.25), 1 / 2 if density_ratio < 1.5 else 2 / 3
+    density = math.pow(density_ratio, exponent)
+    return 5.24 * math.pow(centimetres, 1 / 18) * hardness * density * math.pow(normal, 2 / 3)
 
 
 def summers_charters(speed: float, *, sound_speed: float, density_ratio: float = 1.0) -> float:

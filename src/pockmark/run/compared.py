@@ -12,7 +12,6 @@ from ..scene.prospect import Ball, largest_ball
 from ..scene.scene import Scene
 from ..view.comparison import Claim, Compared
 
-LEAST_RATIO = 1.5  # rho_p/rho_t from which on Cour-Palais's equation has another exponent, which is not here
 DEPTH, SHAPE = "depth_over_projectile_diameter", "depth_over_diameter"
 
 
@@ -70,10 +69,6 @@ def _cour_palais(scene: Scene, ball: Ball, target: Material) -> Claim:
     ratio = ball.density / target.density
     if known.brinell is None:
         return Claim(name, None, None, "the target's Brinell hardness is not known")
-    if ratio >= LEAST_RATIO:
-        return Claim(
-            name, None, None, f"it holds for rho_p/rho_t below {LEAST_RATIO:g}, here it is {ratio:.3g}"
-        )
     sound = math.sqrt(target.bulk_modulus / target.density)
     value = cour_palais(
         scene.impact.speed,
