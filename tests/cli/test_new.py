@@ -15,6 +15,7 @@ from pockmark import PockmarkError, Scene, measure
 from pockmark.base.shipped import example, examples, shipped
 from pockmark.cli import app
 from pockmark.cli.demo import NEXT
+from pockmark.scene.forecast import forecast
 from pockmark.scene.warnings import warnings
 from pockmark.study.campaign import cases, load
 
@@ -129,6 +130,10 @@ def test_the_demo_makes_a_crater_and_says_what_is_next(tmp_path):
     assert table["warnings"] == table["doubts"] == []
     assert 10e-6 < table["crater"]["depth"] < 25e-6
     assert abs(table["crater"]["depth_change_last_tenth"]) < 0.01
+    files = sum(file.stat().st_size for file in (tmp_path / "run").iterdir())
+    at_most = forecast(Scene.load(tmp_path / "run" / "scene.toml"), 2).disk
+    print(f"disk {files / 1e6:.2f} MB, forecast at most {at_most / 1e6:.2f} MB")
+    assert files < at_most < 1.5 * files
     for name in ("crater.png", "history.png"):
         assert matplotlib.image.imread(tmp_path / "run" / name)[..., :3].std() > 0.1
 

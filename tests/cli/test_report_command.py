@@ -199,6 +199,16 @@ def test_a_mistake_is_one_sentence(mistake, original, campaign, tmp_path):
     assert not (tmp_path / "page.html").exists()
 
 
+@pytest.mark.parametrize("place", [".", "there"])
+def test_a_folder_is_no_place_for_a_page(place, original, tmp_path, monkeypatch):
+    (tmp_path / "there").mkdir()
+    monkeypatch.chdir(tmp_path)
+    done = pockmark("report", original / "slow", "-o", place)
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"pockmark: -o: {place}: is a folder, expected the file of the page")
+    assert done.stderr.count("\n") == 1
+
+
 def test_a_run_without_a_crater_has_a_page(tmp_path):
     run_scene(small_rings("8 ns").with_("impact.speed", 0), tmp_path / "run", threads=1, progress=False)
     text = page_of(tmp_path / "run", output=tmp_path / "page.html")

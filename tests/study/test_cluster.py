@@ -209,12 +209,19 @@ def test_no_scheduler_is_told_within_ten_seconds():
     assert CONNECT <= seconds < 10
 
 
-@pytest.mark.parametrize("address", ["", "node1", "8786"])
+@pytest.mark.parametrize(
+    "address", ["", "node1", "8786", "tcp://node1", "tcp://:8786", "tcp://node1:port", "foo://node1:1"]
+)
 def test_what_is_no_address_is_told(address):
     with (
         pytest.raises(PockmarkError, match=f"found '{address}', expected an address such as tcp://"),
         connected(address),
     ):
+        pass
+
+
+def test_tls_without_a_certificate_is_told():
+    with pytest.raises(PockmarkError, match="needs a certificate"), connected("tls://127.0.0.1:8786"):
         pass
 
 

@@ -32,6 +32,8 @@ def report(
 ) -> None:
     """Write one HTML page of a run, of several runs side by side, or of a campaign. It needs no network."""
     require_jinja()  # before a minute of work
+    if output and output.is_dir():
+        raise PockmarkError(f"-o: {output}: is a folder, expected the file of the page, as {output / PAGE}")
     made_by = f"made by pockmark {__version__}, {now()}"
     tables = [None if (folder / MANIFEST).exists() else table_in(folder) for folder in folders]
     for folder, table in zip(folders, tables, strict=True):

@@ -21,9 +21,9 @@ RUNNING, DRAWING = (
 )  # bytes: Python and the libraries; the same while a picture is drawn
 # On the disk, in a snapshot once everything moves; before, and where much stays at rest, it compresses to less.
 BYTES_PER_POINT_KEPT = {"double": 82, "single": 69}
-BYTES_PER_ROW = 450  # in the history
+BYTES_PER_ROW = 520  # in the history
 NUMBERS_IN_CHECKPOINT = 20  # for a point
-BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 25_000, 800_000
+BYTES_PER_SNAPSHOT, BYTES_OF_PICTURES = 40_000, 1_250_000
 # Particle-steps a second a core, measured with the default scheme (benchmarks/README.md).
 TYPICAL_RATE = {"avx512": 19e6, "avx2": 15e6, "scalar": 4e6}
 CARRYING = 0.4  # steps more that one with velocities carried to the nodes takes

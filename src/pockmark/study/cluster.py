@@ -4,6 +4,7 @@ This is the study's side; the worker's is `follow`. A run whose worker is lost g
 """
 
 import logging
+import re
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -15,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from .. import PHYSICS, __version__
-from ..base.errors import PockmarkError
+from ..base.errors import PockmarkError, found
 from ..base.files import told
 from ..run.keeper import checkpoints
 from ..run.lock import Lock
@@ -25,6 +26,7 @@ from .pace import PACE, every
 from .processes import PATIENCE, POLL
 
 CONNECT = 5.0  # s that a scheduler has to answer
+ADDRESS = re.compile(r"(tcp|tls|wss?)://[^\s/]+:[0-9]{1,5}")
 LOST = "the scheduler is lost: what is done is kept, the same command goes on"
 
 
@@ -161,12 +163,22 @@ def _newest(order: Order) -> Path | None:
 @contextmanager
 def connected(address: str) -> Iterator[Cluster]:
     """Give the pool of a scheduler's workers. Raises PockmarkError if none answers at the address."""
-    if "://" not in address:
-        raise PockmarkError(f"--scheduler: found '{address}', expected an address such as tcp://node1:8786")
+    if not ADDRESS.fullmatch(address):  # dask would leave half a client behind
+        raise PockmarkError(f"--scheduler: {found(address)}, expected an address such as tcp://node1:8786")
+    if address.startswith(("tls", "wss")) and not _has_certificate():
+        raise PockmarkError(
+            f"--scheduler: {address} needs a certificate, of which dask's own configuration (distributed.comm.tls) has none"
+        )
     with client_of(
         address, f"--scheduler: no dask scheduler answers at {address} within {CONNECT:g} s"
     ) as client:
         yield Cluster(client)
+
+
+def _has_certificate() -> bool:
+    """Return whether dask is set up for TLS. Raises PockmarkError without dask."""
+    arguments = dask("distributed").Security().get_connection_args("client")
+    return arguments.get("ssl_context") is not None
 
 
 @contextmanager
