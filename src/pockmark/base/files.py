@@ -120,6 +120,16 @@ def told(path: str | Path) -> Iterator[None]:
         raise PockmarkError(f"{path}: {reason(error)}") from None
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder, and those above it, unless they are there. Raises PockmarkError, also for a file in their place."""
+    with told(path):
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+        except (FileExistsError, NotADirectoryError):
+            file = next(one for one in (path, *path.parents) if one.exists() or one.is_symlink())
+            raise PockmarkError(f"{file}: is {_what(file, True)}, expected a folder") from None
+
+
 def reason(error: Exception) -> str:
     """Return on one line what the system says. HDF5 hides the error's number in the middle of a message."""
     if number := re.search(r"errno = (\d+)", str(error)):
@@ -136,6 +146,7 @@ def _what(path: Path, follow: bool) -> str:
     kinds = {
         stat.S_IFLNK: "a symbolic link, which is not followed",
         stat.S_IFDIR: "a folder",
+        stat.S_IFREG: "a file",
         stat.S_IFIFO: "a pipe",
         stat.S_IFSOCK: "a socket",
     }

@@ -7,7 +7,7 @@ import typer
 
 from .. import __version__
 from ..base.errors import PockmarkError
-from ..base.files import told, write_text
+from ..base.files import make_folder, told, write_text
 from ..base.terminal import literal
 from ..run.beside import comparison
 from ..run.provenance import now
@@ -60,6 +60,6 @@ def report(
 def _write(page: str, path: Path) -> None:
     """Write a page, and say where. Raises PockmarkError."""
     with told(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
     write_text(path, page)
     say_written(path, f" ({len(page.encode()) / 1e6:.1f} MB)")

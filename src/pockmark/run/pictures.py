@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, replaced, told
+from ..base.files import AnyPath, as_path, make_folder, replaced, told
 from ..metrology import results
 from ..metrology.measures import UNWARNED
 from ..view.plots import (
@@ -32,7 +32,7 @@ def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
     figures = figures_of(path)
     target = as_path(out) if out else RunFolder.open(path).path
     with told(target):
-        target.mkdir(parents=True, exist_ok=True)
+        make_folder(target)
     for name, figure in figures.items():  # made one at a time: each takes some memory
         with replaced(target / name) as descriptor, open(descriptor, "wb", closefd=False) as file:
             figure().savefig(file, format="png", dpi=120)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, numbered, read_text, remove, told, write_text
+from ..base.files import AnyPath, as_path, make_folder, numbered, read_text, remove, told, write_text
 from ..base.json import to_json
 from ..base.toml import parse_toml
 from ..scene.identity import hash_of
@@ -67,7 +67,7 @@ class RunFolder:
         folder = cls(path)
         folder.require_free(force=force)
         with told(folder.path):
-            folder.path.mkdir(parents=True, exist_ok=True)
+            make_folder(folder.path)
         folder.lock()
         try:
             folder.require_free(force=force)  # another process may have been and gone

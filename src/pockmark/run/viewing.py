@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, replaced, told
+from ..base.files import AnyPath, as_path, make_folder, replaced, told
 from ..metrology.measures import UNWARNED
 from ..view.quantities import quantity_of
 from ..view.space import Solid
@@ -49,7 +49,7 @@ def write_views(shells: Shells, out: AnyPath) -> list[Path]:
     """
     target = as_path(out)
     with told(target):
-        target.mkdir(parents=True, exist_ok=True)
+        make_folder(target)
     images = [shells.image(n) for n in range(len(shells))]
     made = {"view.png": as_png(images[-1])}
     if len(images) > 1:

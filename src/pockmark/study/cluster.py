@@ -17,7 +17,7 @@ from typing import Any
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError, found
-from ..base.files import told
+from ..base.files import make_folder, told
 from ..run.keeper import checkpoints
 from ..run.lock import Lock
 from .follow import Answer, follow
@@ -143,7 +143,7 @@ def _answer(future: Any) -> Answer | None:
 def _study_lock(runs: Path) -> Iterator[Path]:
     """Give a folder among the runs, with a lock that is held while the study goes on."""
     with told(runs):
-        runs.mkdir(parents=True, exist_ok=True)
+        make_folder(runs)
         study = Path(tempfile.mkdtemp(prefix=".study-", dir=runs))
     lock = Lock(study)
     try:

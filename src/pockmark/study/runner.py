@@ -19,7 +19,7 @@ from rich.text import Text
 
 from .. import PHYSICS, __version__
 from ..base.errors import PockmarkError
-from ..base.files import replaced, told
+from ..base.files import make_folder, replaced, told
 from ..base.lengths import in_metres, unit_for
 from ..base.terminal import literal
 from ..run.measured import measure_run
@@ -143,7 +143,7 @@ def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: 
     rows = sorted([*rows, *kept], key=lambda row: order.get(row["scene"], 0))
     columns = dict.fromkeys(key for row in rows for key in row)
     with told(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
     with (
         replaced(path) as descriptor,
         open(descriptor, "w", newline="", encoding="utf-8", closefd=False) as file,
