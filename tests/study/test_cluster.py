@@ -156,6 +156,9 @@ def other_physics(folder):
     for path in ours.iterdir():
         if path.name != "__init__.py":
             (other / path.name).symlink_to(path)
+    libraries = ours.parent / "pockmark.libs"  # what a wheel brings: the cores look for it beside the package
+    if libraries.exists():
+        (folder / libraries.name).symlink_to(libraries)
     text = (ours / "__init__.py").read_text()
     (other / "__init__.py").write_text(text.replace(f"PHYSICS = {PHYSICS}", f"PHYSICS = {PHYSICS + 1}"))
 
