@@ -7,6 +7,7 @@ from pockmark.base.geometry import Mirror, Setup, Wall
 from pockmark.metrology.mesh import MOST_NODES, meshes
 from pockmark.metrology.section import section_filling
 from pockmark.metrology.surface import target_filling
+from pockmark.view.quantities import present
 
 UM, H, RADIUS, HALF = 1e-6, 2e-6, 12e-6, 40e-6
 
@@ -74,7 +75,7 @@ def volume_of(mesh):
 def made(case):
     fields, setup, fill = case()
     surface = fill(fields["position"], fields["volume"], setup).surface()
-    return surface, meshes(surface, fields, setup)
+    return surface, meshes(surface, fields, setup, present(fields))
 
 
 @pytest.mark.parametrize("case", [whole, half, rings])
@@ -110,7 +111,7 @@ def test_a_mesh_of_many_nodes_is_thinned():
         H,
     )
     fields, setup, _ = whole()
-    thin = meshes(fine, fields, setup)["whole"]
+    thin = meshes(fine, fields, setup, present(fields))["whole"]
     assert max(fine.fraction.shape) > MOST_NODES
     print(
         f"{fine.fraction.shape} nodes, {len(thin.triangles)} triangles, {len(found['whole'].triangles)} before"

@@ -43,6 +43,16 @@ def fields(position, body, width=H, jitter=0.0, seed=1):
     }
 
 
+def rings():
+    """The fields of rings (r, z) of a disk 30 um wide and high, whose pressure is their radius in MPa."""
+    r, z = (a.ravel() for a in np.meshgrid(np.arange(1, 30, H), np.arange(-29, 0, H)))
+    snapshot = fields(np.column_stack([r, 0 * r, z]), TARGET)
+    snapshot["volume"] = 2 * np.pi * r * UM * (H * UM) ** 2
+    snapshot["mass"] = 2700 * snapshot["volume"]
+    snapshot["pressure"] = r * 1e6
+    return snapshot
+
+
 def only(snapshot, kept):
     """Some points of a snapshot."""
     return {name: values if name == "time" else values[kept] for name, values in snapshot.items()}

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planes import CELL, PROJECTILE, SETUP, TARGET, UM, H, block, fields
+from planes import CELL, PROJECTILE, SETUP, TARGET, UM, H, block, fields, rings
 from scipy import ndimage
 
 from pockmark.view.quantities import PRESSURE
@@ -133,12 +133,7 @@ def test_the_mean_is_by_mass():
 
 
 def test_rings_are_drawn_on_both_sides_of_the_axis_as_wide_as_their_section():
-    r, z = (a.ravel() for a in np.meshgrid(np.arange(1, 30, H), np.arange(-29, 0, H)))
-    snapshot = fields(np.column_stack([r, 0 * r, z]), TARGET)
-    snapshot["volume"] = 2 * np.pi * r * UM * (H * UM) ** 2
-    snapshot["mass"] = 2700 * snapshot["volume"]
-    snapshot["pressure"] = r * MPA
-    raster = raster_of(snapshot, replace(SETUP, mirrors=(), is_axisymmetric=True))
+    raster = raster_of(rings(), replace(SETUP, mirrors=(), is_axisymmetric=True))
     assert raster.cut.width == pytest.approx(H)
     assert sorted(set(np.round(raster.cut.x))) == [*range(-29, 30, 2)]
     x, z = np.meshgrid(raster.x, raster.z, indexing="ij")

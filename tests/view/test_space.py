@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from planes import CELL, PROJECTILE, SETUP, TARGET, UM, H, block, fields, only
+from planes import CELL, PROJECTILE, SETUP, TARGET, UM, block, fields, only, rings
 
 from pockmark import PockmarkError
 from pockmark.view.quantities import DAMAGE, PRESSURE, quantity_of
@@ -31,12 +31,7 @@ def test_a_linear_field_is_as_it_is_and_no_node_within_material_is_blank(jitter)
 
 
 def test_rings_become_a_half_of_what_they_are():
-    r, z = (a.ravel() for a in np.meshgrid(np.arange(1, 30, H), np.arange(-29, 0, H)))
-    snapshot = fields(np.column_stack([r, 0 * r, z]), TARGET)
-    snapshot["volume"] = 2 * np.pi * r * UM * (H * UM) ** 2
-    snapshot["mass"] = 2700 * snapshot["volume"]
-    snapshot["pressure"] = r * MPA
-    solid = Solid.of(snapshot, replace(SETUP, mirrors=(), is_axisymmetric=True), PRESSURE)
+    solid = Solid.of(rings(), replace(SETUP, mirrors=(), is_axisymmetric=True), PRESSURE)
     x, y, z = np.meshgrid(*solid.nodes, indexing="ij")
     radius = np.hypot(x, y)
     within = (radius < 26) & (z < -CELL) & (z > CELL - 30)

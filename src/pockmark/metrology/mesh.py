@@ -1,6 +1,6 @@
 """The crater as a mesh for a view in three dimensions: the target's surface, and what fields are on it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +10,6 @@ from scipy.spatial import cKDTree
 from skimage.measure import block_reduce, marching_cubes
 
 from ..base.geometry import Setup
-from .stress import effective_stress
 from .surface import Surface, with_image
 
 Array = NDArray[np.float64]
@@ -27,33 +26,18 @@ class Mesh:
     fields: Mapping[str, Array]
 
 
-@dataclass(frozen=True)
-class Field:
-    """A field as a reader sees it: its unit, the unit's size in SI, and whether it has two signs."""
-
-    unit: str
-    size: float = 1.0
-    is_signed: bool = False
-
-
-FIELDS = {
-    "pressure": Field("MPa", 1e6, is_signed=True),
-    "effective stress": Field("MPa", 1e6),
-    "temperature": Field("K"),
-    "plastic strain": Field(""),
-    "damage": Field(""),
-    "speed": Field("m/s"),
-}
-ALWAYS = ("effective stress", "speed")  # they follow from what no snapshot lacks
-
-
-def meshes(surface: Surface, snapshot: Mapping[str, NDArray[Any]], setup: Setup) -> dict[str, Mesh]:
+def meshes(
+    surface: Surface,
+    snapshot: Mapping[str, NDArray[Any]],
+    setup: Setup,
+    values: Mapping[str, Array],
+) -> dict[str, Mesh]:
     """Return the target near the crater as closed meshes: whole, and cut in half across y and across x.
 
-    The surface is that of the snapshot's points, whose fields the vertices get, in the units of FIELDS.
+    The surface is that of the snapshot's points. The vertices get fields of these, whose `values` (n,) have names.
     """
     nodes, fraction = _block(surface)
-    fields = _Fields.of(snapshot, setup, [(x[0], x[-1]) for x in nodes])
+    fields = _Fields.of(snapshot, setup, values, [(x[0], x[-1]) for x in nodes])
     out = {}
     for name, axis in CUTS.items():
         solid = fraction
@@ -122,7 +106,11 @@ class _Fields:
 
     @classmethod
     def of(
-        cls, snapshot: Mapping[str, NDArray[Any]], setup: Setup, box: list[tuple[float, float]]
+        cls,
+        snapshot: Mapping[str, NDArray[Any]],
+        setup: Setup,
+        fields: Mapping[str, Array],
+        box: list[tuple[float, float]],
     ) -> "_Fields":
         """Take the target's points within two spacings of a box, and the images of those behind mirrors."""
         room = 2 * setup.spacing
@@ -137,7 +125,7 @@ class _Fields:
             low, high = (np.array(ends) for ends in zip(*box, strict=True))
             inside = np.all((places > low - room) & (places < high + room), axis=1)
             places, index = places[inside], index[inside]
-        values = {name: field[index] for name, field in _fields_of(snapshot).items()}
+        values = {name: field[index] for name, field in fields.items()}
         return cls(cKDTree(places), values, setup.spacing, setup.is_axisymmetric)
 
     def at(self, vertices: Array) -> dict[str, Array]:
@@ -153,19 +141,3 @@ class _Fields:
         weight = np.exp(-0.5 * (distance**2 - least**2) / self.width**2)
         weight /= weight.sum(axis=1, keepdims=True)
         return {name: (values[nearest] * weight).sum(axis=1) for name, values in self.values.items()}
-
-
-def _fields_of(snapshot: Mapping[str, NDArray[Any]]) -> dict[str, Array]:
-    """Return the fields of FIELDS that a snapshot has, each in its unit."""
-    made: dict[str, Callable[[], NDArray[Any]]] = {
-        "effective stress": lambda: effective_stress(snapshot["deviator"]),
-        "speed": lambda: np.linalg.norm(snapshot["velocity"], axis=1),
-        "damage": lambda: np.clip(snapshot["damage"], 0.0, 1.0),  # what has failed can fail no more
-    }
-    out = {}
-    for name, field in FIELDS.items():
-        key = name.replace(" ", "_")
-        if name in ALWAYS or key in snapshot:
-            values = made[name]() if name in made else snapshot[key]
-            out[name] = np.asarray(values, dtype=float) / field.size
-    return out

@@ -7,7 +7,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, make_folder, replaced, told
+from ..base.files import AnyPath, as_path, make_folder, replaced
 from ..metrology import results
 from ..metrology.measures import UNWARNED
 from ..view.plots import (
@@ -22,6 +22,8 @@ from .measured import in_the_grid, surface_in
 from .setup import setup_of
 from .store import UNENDED, RunFolder
 
+PICTURE_DPI = 120
+
 
 @UNWARNED
 def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
@@ -31,11 +33,10 @@ def plot_run(path: AnyPath, out: AnyPath | None = None) -> list[Path]:
     """
     figures = figures_of(path)
     target = as_path(out) if out else RunFolder.open(path).path
-    with told(target):
-        make_folder(target)
+    make_folder(target)
     for name, figure in figures.items():  # made one at a time: each takes some memory
         with replaced(target / name) as descriptor, open(descriptor, "wb", closefd=False) as file:
-            figure().savefig(file, format="png", dpi=120)
+            figure().savefig(file, format="png", dpi=PICTURE_DPI)
         gc.collect()  # a figure and its parts refer to one another
     return [target / name for name in figures]
 

@@ -1,9 +1,7 @@
 """The way from run folders to what their pages show."""
 
 import shlex
-import tempfile
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,14 +19,15 @@ from ..scene.scene import Scene
 from ..scene.sheet import constants
 from ..scene.warnings import is_too_coarse
 from ..view.crater3d import View3d, view_3d
-from ..view.images import as_data, frame, gif, png
+from ..view.images import frame, gif, png
 from ..view.many import energy_figure
 from ..view.page import Energy, MaterialSheet, Rows, RunReport
 from ..view.plots import slice_figure
+from ..view.quantities import present
 from ..view.report import parts
 from .compared import compared
 from .measured import in_the_grid, measure_run, standing_of, surface_in
-from .pictures import plot_process, plot_run
+from .pictures import PICTURE_DPI, figures_of, plot_process
 from .setup import setup_of
 from .snapshot import Snapshot
 from .store import RunFolder
@@ -72,9 +71,7 @@ def run_report(path: AnyPath) -> RunReport:
 
 def slice_of(path: AnyPath) -> str:
     """Return the slice through the crater of a run folder as the address of a PNG. Raises PockmarkError."""
-    with tempfile.TemporaryDirectory() as place:
-        plot_run(path, place)
-        return as_data("png", (Path(place) / "crater.png").read_bytes())
+    return png(figures_of(path)["crater.png"](), PICTURE_DPI)
 
 
 def cautions(manifest: Mapping[str, Any]) -> list[str]:
@@ -110,7 +107,7 @@ def _numbers(version: str) -> list[int]:
 def _view(snapshot: Snapshot, setup: Setup) -> tuple[View3d | None, str]:
     """Return the view of the crater in a snapshot; if there is none, None and why."""
     surface = surface_in(snapshot, setup)
-    found = meshes(surface, snapshot, setup) if surface else {}
+    found = meshes(surface, snapshot, setup, present(snapshot)) if surface else {}
     if not found:
         return None, "There is no crater to show: nothing below z = 0 is open to the top."
     try:
@@ -138,17 +135,14 @@ def _film(folder: RunFolder, scene: Scene, setup: Setup) -> tuple[str | None, st
 
 def _pictures(folder: RunFolder, energy: Mapping[str, Any]) -> dict[str, str]:
     """Return the pictures of a run as addresses of PNGs."""
-    with tempfile.TemporaryDirectory() as place:
-        plot_run(folder, place)
-        read = {name: (Path(place) / f"{name}.png").read_bytes() for name in ("crater", "history")}
-    bar = energy_figure(energy)
+    drawn, bar = figures_of(folder), energy_figure(energy)
     try:
         process = plot_process(folder) if len(folder.snapshots()) > 1 else None
     except PockmarkError:  # of a run that was killed while it wrote one
         process = None
     return {
-        "slice": as_data("png", read["crater"]),
-        "history": as_data("png", read["history"]),
+        "slice": png(drawn["crater.png"](), PICTURE_DPI),
+        "history": png(drawn["history.png"](), PICTURE_DPI),
         "process": png(process) if process else "",
         "energy": png(bar) if bar else "",
     }

@@ -13,12 +13,14 @@ from matplotlib.colors import to_hex
 from numpy.typing import NDArray
 
 from ..base.errors import PockmarkError
-from ..metrology.mesh import FIELDS, Mesh
+from ..metrology.mesh import Mesh
+from .quantities import QUANTITIES
 
 EXTRA = "PyVista and trame-vtk are not installed: pip install 'pockmark[report]'"
 MAPS = {False: "viridis", True: "coolwarm"}  # of a field with one sign, and with two
 # vtk.js asks its makers' site for an icon.
 ICON, NO_ICON = "https://kitware.github.io/vtk-js/icon/", "data:,"
+SHOWN = {one.name: one for one in QUANTITIES.values()}
 SHARE = 1.0  # per cent of the vertices that may lie beyond each end of the colours
 
 
@@ -63,7 +65,7 @@ def view_3d(meshes: Mapping[str, Mesh]) -> View3d:
                 data.copy(deep=False),
                 scalars=bar.name,
                 clim=(bar.low, bar.high),
-                cmap=MAPS[FIELDS[bar.name].is_signed],
+                cmap=_map_of(bar.name),
                 show_scalar_bar=False,
             )
     plotter.camera_position = "iso"
@@ -122,13 +124,18 @@ def _polydata(pyvista: Any, mesh: Mesh) -> Any:
     return data
 
 
+def _map_of(name: str) -> str:
+    """Return the name of the map in whose colours a field is shown."""
+    return MAPS[SHOWN[name].kind == "both"]
+
+
 def _bar(name: str, values: NDArray[np.float64]) -> Bar:
     """Return the colours of a field over what all but a few of its values span; about 0 if it has two signs."""
     low, high = (float(end) for end in np.nanpercentile(values, (SHARE, 100 - SHARE)))
-    if FIELDS[name].is_signed:
+    if SHOWN[name].kind == "both":
         high = max(abs(low), abs(high))
         low = -high
     if high <= low:  # all alike
         high = low + max(abs(low), 1.0) * 1e-3
-    steps = matplotlib.colormaps[MAPS[FIELDS[name].is_signed]](np.linspace(0, 1, 17))
-    return Bar(name, FIELDS[name].unit, low, high, tuple(to_hex(colour) for colour in steps))
+    steps = matplotlib.colormaps[_map_of(name)](np.linspace(0, 1, 17))
+    return Bar(name, SHOWN[name].unit, low, high, tuple(to_hex(colour) for colour in steps))

@@ -3,7 +3,6 @@
 import base64
 import io
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -22,16 +21,19 @@ def as_data(kind: str, content: bytes) -> str:
 
 def png(figure: Figure, dpi: int = 110) -> str:
     """Return a figure as the address of a PNG."""
-    out = io.BytesIO()
-    figure.savefig(out, format="png", dpi=dpi)
-    return as_data("png", out.getvalue())
+    return as_data("png", _drawn(figure, dpi))
 
 
 def frame(figure: Figure) -> Frame:
     """Return a figure as a frame of an animation."""
+    return np.asarray(Image.open(io.BytesIO(_drawn(figure, FRAME_DPI))).convert("RGB"))
+
+
+def _drawn(figure: Figure, dpi: int) -> bytes:
+    """Return a figure as a PNG."""
     out = io.BytesIO()
-    figure.savefig(out, format="png", dpi=FRAME_DPI)
-    return np.asarray(Image.open(out).convert("RGB"))
+    figure.savefig(out, format="png", dpi=dpi)
+    return out.getvalue()
 
 
 def gif(frames: Sequence[Frame]) -> str:
@@ -42,7 +44,11 @@ def gif(frames: Sequence[Frame]) -> str:
         whole = np.full((height, width, 3), 255, dtype=np.uint8)
         whole[: one.shape[0], : one.shape[1]] = one
         images.append(Image.fromarray(whole).quantize(128))
-    out, times = io.BytesIO(), [FRAME_MS] * (len(images) - 1) + [LAST_MS]
-    options: dict[str, Any] = {"append_images": images[1:], "duration": times, "loop": 0}
-    images[0].save(out, format="GIF", save_all=True, **options)
-    return as_data("gif", out.getvalue())
+    return as_data("gif", animated(images, [FRAME_MS] * (len(images) - 1) + [LAST_MS]))
+
+
+def animated(images: Sequence[Image.Image], times: int | list[int]) -> bytes:
+    """Return images as a GIF that begins anew at its end. `times` in ms are of each, or one of all."""
+    out = io.BytesIO()
+    images[0].save(out, "GIF", save_all=True, append_images=images[1:], duration=times, loop=0)
+    return out.getvalue()

@@ -4,16 +4,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..base.errors import shown
 from ..base.ledger import SHARES
 from ..base.lengths import unit_for
+from .canvas import CYCLE, blank
 
-# Of Okabe and Ito, whose colours the colour-blind tell apart. Lines and marks differ by their shape, too.
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+# Lines and marks differ by their shape, too.
 LINES, MARKS = ("-", "--", "-.", ":"), "osD^v<>P"
 PARTS_OF_INTERNAL = ("viscous", "filtered")
 ENERGIES = tuple(key for key in SHARES if key not in PARTS_OF_INTERNAL)  # they add up to the initial energy
@@ -43,12 +42,11 @@ def energy_figure(energy: Mapping[str, Any]) -> Figure | None:
     shares = {key: energy[key] for key in ENERGIES if energy.get(key)}
     if not shares:
         return None
-    figure = Figure(figsize=(8, 1.9), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = blank((8, 1.9))
     axes, start = figure.subplots(), 0.0
     for n, (key, share) in enumerate(shares.items()):
-        hatch = "" if n < len(COLOURS) else "//"
-        colour = COLOURS[n % len(COLOURS)]
+        hatch = "" if n < len(CYCLE) else "//"
+        colour = CYCLE[n % len(CYCLE)]
         label = f"{key.replace('_', ' ')} {share:.1%}"
         axes.barh(0, share, left=start, color=colour, edgecolor="white", hatch=hatch, label=label)
         start += share
@@ -59,14 +57,13 @@ def energy_figure(energy: Mapping[str, Any]) -> Figure | None:
 
 def compared_figure(runs: Sequence[Told]) -> Figure:
     """Draw depth and internal energy of several runs against time."""
-    figure = Figure(figsize=(9, 6.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = blank((9, 6.5))
     depth, internal = figure.subplots(2, 1, sharex=True)
     unit, size = unit_for(*(float(np.nanmax(run.depth, initial=0.0)) for run in runs))
     for n, run in enumerate(runs):
         style: dict[str, Any] = {
-            "color": COLOURS[n % len(COLOURS)],
-            "linestyle": LINES[n // len(COLOURS) % 4],
+            "color": CYCLE[n % len(CYCLE)],
+            "linestyle": LINES[n // len(CYCLE) % 4],
         }
         depth.plot(run.time * 1e9, run.depth / size, **style)
         internal.plot(run.time * 1e9, run.internal, **style)
@@ -79,15 +76,14 @@ def compared_figure(runs: Sequence[Told]) -> Figure:
 def swept_figure(key: str, series: Sequence[Series], measures: Sequence[str]) -> Figure:
     """Draw measures against a swept key, a line for each series. The measures are named with their units."""
     rows = -(-len(measures) // ACROSS)
-    figure = Figure(figsize=(3.3 * ACROSS, 3.0 * rows + 1.0), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = blank((3.3 * ACROSS, 3.0 * rows + 1.0))
     panels = figure.subplots(rows, ACROSS, squeeze=False).ravel()
     for axes in panels[len(measures) :]:
         axes.set_visible(False)
     for axes, measure in zip(panels, measures, strict=False):
         for n, one in enumerate(series):
             order = np.argsort(one.x)
-            style = {"color": COLOURS[n % len(COLOURS)], "marker": MARKS[n % len(MARKS)], "markersize": 4}
+            style = {"color": CYCLE[n % len(CYCLE)], "marker": MARKS[n % len(MARKS)], "markersize": 4}
             axes.plot(one.x[order], one.y[measure][order], **style)
         axes.set_xlabel(shown(key, 60), parse_math=False)
         axes.set_ylabel(measure, parse_math=False)

@@ -33,7 +33,7 @@ class Energy(NamedTuple):
 class RunReport:
     """All that the page of a run shows. Pictures are addresses of data, texts are a reader's.
 
-    `doubts`, `warnings` and `counted` come first. `no_view` says why there is no view in three dimensions, `no_film` why
+    `cautions`, `doubts`, `warnings` and the counters among `parts` come first. `no_view` says why there is no view in three dimensions, `no_film` why
     there is no animation.
     """
 

@@ -80,6 +80,12 @@ QUANTITIES = {
 HEIGHT = Quantity("height", "um", 1e-6, "height", "cividis", "any")  # of a surface, not of points
 
 
+def present(snapshot: Fields) -> dict[str, Array]:
+    """Return the values (n,) of the quantities that a snapshot has, by their names, the pressure first."""
+    ordered = dict.fromkeys((PRESSURE, *QUANTITIES.values()))
+    return {one.name: one.values(snapshot) for one in ordered if one.field in snapshot}
+
+
 def quantity_of(name: str) -> Quantity:
     """Return a quantity by its name. Raises PockmarkError for an unknown one."""
     if name in QUANTITIES:

@@ -14,6 +14,7 @@ from PIL import Image as Pillow
 
 from ..base.errors import PockmarkError, shown
 from ..base.geometry import Setup
+from .images import animated
 from .panels import told
 from .quantities import Quantity
 from .raster import slice_axis
@@ -161,10 +162,8 @@ def as_png(image: Image) -> bytes:
 
 def as_gif(images: Sequence[Image], seconds: float) -> bytes:
     """Return an animation as a GIF, so many seconds an image; it begins anew at its end."""
-    made = io.BytesIO()
-    first, *others = [Pillow.fromarray(image).quantize(255, dither=Pillow.Dither.NONE) for image in images]
-    first.save(made, "GIF", save_all=True, append_images=others, duration=round(1000 * seconds), loop=0)
-    return made.getvalue()
+    made = [Pillow.fromarray(image).quantize(255, dither=Pillow.Dither.NONE) for image in images]
+    return animated(made, round(1000 * seconds))
 
 
 def as_mp4(images: Sequence[Image], seconds: float) -> bytes | None:
