@@ -18,6 +18,7 @@ from pockmark.view.page import CampaignReport, Cell, campaign_page
 webdriver = pytest.importorskip("selenium.webdriver")
 pytest.importorskip("trame_vtk")
 pytest.importorskip("jinja2")
+__all__ = ["browser"]  # a fixture
 pytestmark = chromium.NEEDED
 PATIENCE = 60  # s: two cores draw what a graphics card should
 
@@ -28,9 +29,6 @@ def page(tmp_path_factory):
     run_scene(small_rings("4 ns"), folder, threads=1, progress=False)
     report([folder])
     return folder / "report.html"
-
-
-__all__ = ["browser"]  # a fixture
 
 
 def until(condition):

@@ -85,8 +85,13 @@ def replaced(path: Path) -> Iterator[int]:
 
 def write_text(path: Path, text: str) -> None:
     """Replace a file by a text in one go. Raises PockmarkError."""
+    write_bytes(path, text.encode())
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Replace a file by a content in one go. Raises PockmarkError."""
     with replaced(path) as descriptor, open(descriptor, "wb", closefd=False) as file:
-        file.write(text.encode())
+        file.write(content)
 
 
 def cut_off(path: Path, size: int) -> None:

@@ -7,7 +7,7 @@ import typer
 
 from .. import __version__
 from ..base.errors import PockmarkError
-from ..base.files import make_folder, told, write_text
+from ..base.files import make_folder, write_text
 from ..base.terminal import literal
 from ..run.beside import comparison
 from ..run.provenance import now
@@ -35,9 +35,10 @@ def report(
     if output and output.is_dir():
         raise PockmarkError(f"-o: {output}: is a folder, expected the file of the page, as {output / PAGE}")
     made_by = f"made by pockmark {__version__}, {now()}"
-    tables = [None if (folder / MANIFEST).exists() else table_in(folder) for folder in folders]
-    for folder, table in zip(folders, tables, strict=True):
-        if table is None and folder.is_dir() and not (folder / MANIFEST).exists():
+    is_run = [(folder / MANIFEST).exists() for folder in folders]
+    tables = [None if run else table_in(folder) for folder, run in zip(folders, is_run, strict=True)]
+    for folder, run, table in zip(folders, is_run, tables, strict=True):
+        if table is None and folder.is_dir() and not run:
             raise PockmarkError(
                 f"{folder}: is neither a run folder (it has no {MANIFEST}) nor that of a campaign (it has no results.csv)"
             )
@@ -59,7 +60,6 @@ def report(
 
 def _write(page: str, path: Path) -> None:
     """Write a page, and say where. Raises PockmarkError."""
-    with told(path):
-        make_folder(path.parent)
+    make_folder(path.parent)
     write_text(path, page)
     say_written(path, f" ({len(page.encode()) / 1e6:.1f} MB)")

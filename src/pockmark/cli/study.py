@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from ..base.errors import PockmarkError, shown
-from ..base.files import make_folder, told
+from ..base.files import make_folder
 from ..base.shipped import shipped
 from ..base.terminal import literal
 from ..study.campaign import FILE, Campaign, cases, load
@@ -58,8 +58,7 @@ def study(
         CONSOLE.print("interrupted: what is done is kept, the same command goes on", style="yellow")
         raise typer.Exit(130) from None
     CONSOLE.print(summary(outcomes, campaign.title or name))
-    with told(place):
-        make_folder(place)
+    make_folder(place)
     table = place / f"results{'-quick' if quick else ''}.csv"
     older = write_results(outcomes, output, table, cases(campaign, folder, quick=quick, only=[]))
     say_written(table)

@@ -24,9 +24,7 @@ from ..base.files import open_regular, reason, replaced
 
 VERSION = "v108"  # the first of HDF5's formats in which its own tables have check sums
 SUM = "crc32"
-PIECE = (
-    2**18
-)  # bytes that are compressed as one: enough of them for all cores, each of a size that compresses well
+PIECE = 2**18  # bytes that are compressed as one: many for all cores, each of a size that compresses well
 LEVEL = 1  # of deflate: higher ones take twice the time for a twentieth of the size
 MOST_DEFLATED = 1032  # bytes that deflate can make of one
 

@@ -66,8 +66,7 @@ class RunFolder:
         """
         folder = cls(path)
         folder.require_free(force=force)
-        with told(folder.path):
-            make_folder(folder.path)
+        make_folder(folder.path)
         folder.lock()
         try:
             folder.require_free(force=force)  # another process may have been and gone

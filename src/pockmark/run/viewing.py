@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 from ..base.errors import PockmarkError
-from ..base.files import AnyPath, as_path, make_folder, replaced, told
+from ..base.files import AnyPath, as_path, make_folder, write_bytes
 from ..metrology.measures import UNWARNED
 from ..view.quantities import quantity_of
 from ..view.space import Solid
@@ -48,14 +48,12 @@ def write_views(shells: Shells, out: AnyPath) -> list[Path]:
     The animation is view.mp4 if imageio-ffmpeg is installed, else view.gif. Return the files. Raises PockmarkError.
     """
     target = as_path(out)
-    with told(target):
-        make_folder(target)
+    make_folder(target)
     images = [shells.image(n) for n in range(len(shells))]
     made = {"view.png": as_png(images[-1])}
     if len(images) > 1:
         film = as_mp4(images, FRAME)
         made |= {"view.mp4": film} if film else {"view.gif": as_gif(images, FRAME)}
     for name, content in made.items():
-        with replaced(target / name) as descriptor, open(descriptor, "wb", closefd=False) as file:
-            file.write(content)
+        write_bytes(target / name, content)
     return [target / name for name in made]

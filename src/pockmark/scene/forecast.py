@@ -15,10 +15,8 @@ NUMBERS_PER_NODE, BYTES_PER_NODE = 16, 4
 # While a snapshot is written: the deviator as doubles, the effective stress and its terms.
 BYTES_PER_POINT_WRITTEN = 72
 BYTES_PER_POINT_MEASURED = 140  # when the core is gone: the fields that are read, and the crater's arrays
-RUNNING, DRAWING = (
-    148 * 2**20,
-    222 * 2**20,
-)  # bytes: Python and the libraries; the same while a picture is drawn
+# Bytes: Python and the libraries; the same while a picture is drawn.
+RUNNING, DRAWING = 148 * 2**20, 222 * 2**20
 # On the disk, in a snapshot once everything moves; before, and where much stays at rest, it compresses to less.
 BYTES_PER_POINT_KEPT = {"double": 82, "single": 69}
 BYTES_PER_ROW = 520  # in the history

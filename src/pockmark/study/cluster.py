@@ -142,8 +142,8 @@ def _answer(future: Any) -> Answer | None:
 @contextmanager
 def _study_lock(runs: Path) -> Iterator[Path]:
     """Give a folder among the runs, with a lock that is held while the study goes on."""
+    make_folder(runs)
     with told(runs):
-        make_folder(runs)
         study = Path(tempfile.mkdtemp(prefix=".study-", dir=runs))
     lock = Lock(study)
     try:

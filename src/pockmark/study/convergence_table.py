@@ -8,7 +8,7 @@ from typing import Any
 from rich.table import Table
 
 from .. import PHYSICS, __version__
-from ..base.files import make_folder, replaced, told, write_text
+from ..base.files import make_folder, replaced, write_text
 from ..base.json import to_json
 from ..base.lengths import in_metres
 from ..base.terminal import literal
@@ -113,8 +113,7 @@ def _quantity_json(finding: Finding) -> dict[str, Any]:
 def write_files(plan: Plan, found: Sequence[Finding], outcomes: Sequence[Outcome], out: Path) -> list[Path]:
     """Write converge.csv and converge.json into a folder, and return their paths. Raises PockmarkError."""
     table, text = out / "converge.csv", out / "converge.json"
-    with told(out):
-        make_folder(out)
+    make_folder(out)
     write_text(text, as_json(plan, found, outcomes) + "\n")
     with (
         replaced(table) as descriptor,

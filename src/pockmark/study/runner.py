@@ -142,8 +142,7 @@ def write_results(outcomes: Sequence[Outcome], out: Path, path: Path, campaign: 
     kept = [row for row in others if (row.get("version"), row.get("physics")) == (__version__, str(PHYSICS))]
     rows = sorted([*rows, *kept], key=lambda row: order.get(row["scene"], 0))
     columns = dict.fromkeys(key for row in rows for key in row)
-    with told(path):
-        make_folder(path.parent)
+    make_folder(path.parent)
     with (
         replaced(path) as descriptor,
         open(descriptor, "w", newline="", encoding="utf-8", closefd=False) as file,
